@@ -1,4 +1,5 @@
-// The C interface. Each function catches exceptions of the library, and keeps their message for viewpeel_last_error().
+// This file is the C interface. Each function catches the library's exceptions and keeps the message for
+// viewpeel_last_error().
 #include <viewpeel/c.h>
 
 #include <algorithm>

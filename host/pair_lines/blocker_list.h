@@ -1,4 +1,4 @@
-// A BlockerList has blockers' boxes, eight at a time and a coordinate after the other, for tests in vectors.
+// A BlockerList holds blockers' boxes in groups of eight, one coordinate after the other, for vector instructions.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -11,8 +11,8 @@
 
 namespace viewpeel {
 
-// The outline of a blocker, as edges of the polygons that were joined to it: neighbours share these, not its own edges,
-// which may be longer.
+// The outline of a blocker is kept as edges of the polygons that were joined to it. Neighbours share these edges; the
+// blocker's own edges may be longer.
 class BlockerMesh {
  public:
   //   In: of_polygon: the blocker of each polygon    Cost: O(n log n).

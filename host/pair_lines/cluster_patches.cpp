@@ -1,4 +1,4 @@
-// Makes clusters of patches, and finds which blockers of a patch's plane cover it.
+// This file makes clusters of patches, and finds which blockers of a patch's plane cover it.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -14,7 +14,7 @@ namespace {
 using glm::dvec3;
 
 constexpr uint32_t kLeafPatches = 16;
-// Patches of a cluster should look the same way: a normal counts so much beside a place, in the size of the scene.
+// Weight of a patch's normal beside its place, in sizes of the scene: patches of a cluster should look the same way.
 constexpr double kNormalWeight = 0.3;
 
 // Returns whether convex polygons of one plane have more than an edge in common.

@@ -1,9 +1,9 @@
-// A Curtain is a surface of blockers that share edges. It hides two convex ends from each other where its rim is out of
-// the way of all lines between them, no end touches it, and one line crosses it an odd number of times.
-//
-// For lines between two convex ends can be moved into each other without a jump, and the number of times that they
-// cross a surface changes by one only where a line meets its rim, or an end meets the surface. So every line crosses it
-// an odd number of times, and at least once. Two walls that meet at a corner, or a wall in pieces, are such surfaces.
+// A Curtain is a surface of blockers that share edges. Its rim is the edges with the surface on one side only. It hides
+// two convex ends of lines from each other where three things hold: no line between the ends meets the rim, no end
+// touches the curtain, and one line crosses it an odd number of times. Proof: any line between the ends can be moved
+// into any other without a jump. The number of crossings of a line then changes by two at a time, for it changes by one
+// only where a line meets the rim, or where an end meets the curtain. So every line crosses it an odd number of times,
+// at least once. Two walls that meet at a corner, or a wall in pieces, are such surfaces.
 #pragma once
 #include <algorithm>
 #include <cstdint>
@@ -16,14 +16,14 @@ namespace viewpeel {
 
 class Curtain {
  public:
-  //   In: both are referred to
+  //   In: blockers, mesh: kept by reference
   Curtain(const std::vector<Blocker>& blockers, const BlockerMesh& mesh)
       : blockers_(blockers), mesh_(mesh), is_odd_(mesh.edgeCount()) {}
 
-  // Adds neighbours to a first blocker until the rim is out of the way.
+  // Adds neighbours to a first blocker until no line between the two ends meets the rim.
   //   In: is_outside(ends of an edge): whether no line between the two ends meets the edge; is_apart(blocker): whether
   //   neither end touches the blocker
-  //   Out: false: the rim stays in the way, or an end touches the curtain, or it has too many blockers
+  //   Out: false: some line meets the rim, or an end touches the curtain, or the curtain has too many blockers
   //   Cost: O(edges).
   template <class IsOutside, class IsApart>
   bool grow(uint32_t first, const IsOutside& is_outside, const IsApart& is_apart);
@@ -37,7 +37,7 @@ class Curtain {
   const std::vector<Blocker>& blockers_;
   const BlockerMesh& mesh_;
   std::vector<uint32_t> members_, edges_;
-  std::vector<bool> is_odd_;  // whether an odd number of members have an edge: then it is of the rim
+  std::vector<bool> is_odd_;  // by edge: whether an odd number of members have it, so that it is on the rim
 };
 
 template <class IsOutside, class IsApart>

@@ -56,7 +56,7 @@ constexpr uint32_t groupsFor(size_t invocations, uint32_t of_group) {
 // A Place says where a task's next portion begins.
 struct Place {
   size_t task = 0;
-  uint32_t block = 0;  // added to the task's first
+  uint32_t block = 0;  // counted from the task's first block
 };
 
 // A Batch holds portions of consecutive tasks. The portions of one task may be in several batches.
@@ -143,7 +143,7 @@ Buffer DeviceLines::State::uploaded(const std::vector<T>& values) {
   return buffer;
 }
 
-// Adds a task, and its obstacles, without portions.
+// Adds a task and its obstacles to a batch, without portions of lines.
 void DeviceLines::State::addTask(Batch& batch, const LineTask& task) const {
   const bool is_swapped = patches[task.b].area < patches[task.a].area;
   const auto index = static_cast<uint32_t>(batch.tasks.size());
@@ -158,7 +158,7 @@ void DeviceLines::State::addTask(Batch& batch, const LineTask& task) const {
     batch.placed.push_back({index, placed.blocker, static_cast<uint32_t>(placeFrom(placed.place, is_swapped))});
 }
 
-// Fills a batch from where the one before has ended: one portion at least.
+// Fills a batch with at least one portion, starting where the last batch ended.
 void DeviceLines::State::fill(Batch& batch, std::span<const LineTask> tasks, Place& next) const {
   batch.tasks.clear(), batch.portions.clear(), batch.placed.clear();
   batch.first_task = next.task;
@@ -259,7 +259,7 @@ DeviceLines& DeviceLines::operator=(DeviceLines&&) noexcept = default;
 std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const std::function<void()>& stop) {
   State& state = *state_;
   std::vector<DrawnLines> found(tasks.size());
-  // Whatever ends this function, no batch is in flight afterwards.
+  // However this function ends, no batch is in flight afterwards.
   struct Waiting {
     State& of;
     ~Waiting() {
@@ -267,7 +267,7 @@ std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const
         if (!std::exchange(slot.is_busy, false)) continue;
         try {
           slot.commands.wait();
-        } catch (const Error&) {  // the device is lost, as another call has said
+        } catch (const Error&) {  // the device is lost; the exception that is being thrown says so
         }
       }
     }
@@ -284,7 +284,7 @@ std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const
     try {
       state.fit(slot);
     } catch (const Error& error) {
-      // Smaller batches may fit, once the other one has ended.
+      // Smaller batches may fit once the other batch in flight has ended.
       if (error.code() != ErrorCode::memory || state.options.most_bytes <= kLeastBatchBytes) throw;
       state.options.most_bytes = std::min(state.options.most_bytes, slot.batch.bytes()) / 2;
       next = begun;
@@ -292,7 +292,7 @@ std::vector<DrawnLines> DeviceLines::draw(std::span<const LineTask> tasks, const
     }
     state.submit(slot);
   }
-  state.collect(state.slots[turn % 2], found);  // the older one
+  state.collect(state.slots[turn % 2], found);  // the batch that was sent first
   state.collect(state.slots[(turn + 1) % 2], found);
   return found;
 }

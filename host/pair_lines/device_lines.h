@@ -1,4 +1,4 @@
-// DeviceLines draws lines between many pairs of patches on a Vulkan device, the same bits as LineDrawer.
+// DeviceLines draws lines between many pairs of patches on a Vulkan device, with the same bits as LineDrawer.
 //
 // A batch of tasks takes these passes, in order:
 //   prepare  where the lines of a task start and end
@@ -22,10 +22,10 @@ namespace viewpeel {
 struct LineTask {
   uint32_t a, b;  // patches
   LineWay way = LineWay::points;
-  double exchange = 0;  // A F with nothing in between, unit-ball units squared, above 0
+  double exchange = 0;  // A F with nothing in between, in units of radius^2, above 0
   std::span<const PlacedBlocker> between;
   std::array<uint32_t, 4> scrambles{};
-  uint32_t first = 0, end = 0;  // blocks of 16 lines
+  uint32_t first = 0, end = 0;  // from block `first` to before block `end`, of 16 lines each
 };
 
 // Draws the lines of a task on the processor.
@@ -33,16 +33,16 @@ DrawnLines drawOnHost(const LineTask& task, std::span<const Patch> patches, cons
                       Vectors vectors);
 
 struct DeviceLinesOptions {
-  uint64_t most_tests = 0;          // of a line against an obstacle in a batch; 0: as many as take well under a second
+  uint64_t most_tests = 0;          // of lines against blockers in a batch; 0: as many as take well under a second
   uint64_t most_bytes = 256 << 20;  // of a batch on the device
 };
 
 class DeviceLines {
  public:
-  // A task with more blockers is for the processor: software devices end loops after 65,535 turns.
+  // Tasks with more blockers go to the processor: software devices end loops after 65,535 turns.
   static constexpr size_t kMostBlockers = 400;
 
-  //   In: device, patches: referred to
+  //   In: device, patches: kept by reference
   //   Throws: Error device.    Cost: kernels are compiled, 1 s on lavapipe.
   DeviceLines(const Device& device, std::span<const Patch> patches, std::span<const Blocker> blockers,
               const DeviceLinesOptions& options = {});
@@ -53,9 +53,9 @@ class DeviceLines {
   static bool takes(const LineTask& task) { return task.between.size() <= kMostBlockers; }
 
   // Draws the lines of tasks.
-  //   In: tasks that takes() allows; stop: called before each batch, may throw, may be empty
-  //   Out: of each task, as drawOnHost() has it, to the last bit
-  //   Error: that of LineDrawer. It rests on the device rounding as IEEE 754 has it by default; agree() tries it.
+  //   In: tasks: each must pass takes(); stop: called before each batch, may throw, may be empty
+  //   Out: the sums of each task, as drawOnHost() returns them, to the last bit
+  //   Error: as LineDrawer's, if the device rounds as IEEE 754 does by default; agree() tests this.
   //   Throws: Error device, Error memory where not even small batches fit.
   //   Cost: some 0.5 KB a task, 164 bytes a blocker, and 24 bytes a portion on the device. Two batches are in flight.
   std::vector<DrawnLines> draw(std::span<const LineTask> tasks, const std::function<void()>& stop = {});
@@ -65,7 +65,7 @@ class DeviceLines {
   std::unique_ptr<State> state_;
 };
 
-// Returns whether the device's lines of some of these tasks have the bits of the processor's.
+// Returns whether the device draws the lines of some of these tasks with the same bits as the processor.
 bool agree(DeviceLines& device_lines, std::span<const LineTask> tasks, std::span<const Patch> patches,
            const std::vector<Blocker>& blockers);
 

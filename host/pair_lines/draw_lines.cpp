@@ -40,7 +40,7 @@ class SobolBits {
       for (int k = 0; k < kBits; ++k)
         for (int bit = 0; bit < kBits; ++bit) of[d][k] |= (numbers[k] >> bit & 1) << (31 - bit);
     }
-    // The points of one block differ in four bits of their number: each lane has its own.
+    // The numbers of a block's 16 points differ in four bits, and each lane takes one combination of them.
     for (int d = 0; d < kDimensions; ++d)
       for (uint32_t lane = 0; lane < kLineLanes; ++lane)
         for (int k = 0; k < 4; ++k)
@@ -55,7 +55,7 @@ static_assert(1 << 4 == kLineLanes);
 
 using Vector = LaneVector<Floats>;
 
-// Scrambles digits as Owen does, by a hash, and makes numbers in [0, 1) of them (B. Burley, Practical hash-based Owen
+// Turns digits into numbers in [0, 1), scrambled as Owen does, by a hash (B. Burley, Practical hash-based Owen
 // scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   Words x = digits ^ (digits * all(0x3d20adeau));
@@ -97,14 +97,14 @@ VIEWPEEL_INLINE Floats arcTangent(const Floats& opposite, const Floats& adjacent
   return opposite < 0.0f ? -angle : angle;
 }
 
-// Lines are sixteen lines from p to q = p + d. Lines that are not open start or end on a back, or miss the other patch.
+// Lines are sixteen lines from p to q = p + d. A line is open unless an end lies on a back or q misses the other patch.
 struct Lines {
   Vector p, q, d;
   Floats weight;
-  Floats open;  // above 0 where it is
+  Floats open;  // above 0 where the line is open
 };
 
-// Moves u to where the warp is dense, and multiplies `stretch` by the density that is lost.
+// Makes uniform numbers u denser where the warp says, and multiplies `stretch` by 1 over their density.
 template <class Warp>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   Floats warped = u * by.scales[0], scale = all(by.scales[0]);
@@ -160,7 +160,7 @@ VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<floa
   return lines;
 }
 
-// Draws lines of no length, between patches of one plane.
+// Draws lines of length 0, from points of one patch to the same points of the other; both lie in one plane.
 VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   lines.p = lines.q = pointOn(first, u[0], u[1], lines.weight);
@@ -169,8 +169,8 @@ VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<flo
   return lines;
 }
 
-// Returns numbers of at most 0 where a line is blocked. The line meets the blocker's plane at p + (t / size) d: all is
-// multiplied by `size`, which is above 0 unless the line runs along the plane. Then it passes.
+// Returns a number for each line: at most 0 where the obstacle blocks it. The line meets the obstacle's plane at p + (t
+// / size) d. All terms are multiplied by size > 0; where size is 0 the line runs along the plane and passes.
 VIEWPEEL_INLINE Floats passing(const Obstacle<float>& by, const Lines& lines) {
   if (by.place != BlockerPlace::between)
     return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
@@ -190,7 +190,7 @@ Point cross(const Point& a, const Point& b) {
 Point pointOf(const float* v) { return {v[0], v[1], v[2]}; }
 Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
-// Returns form factors from points to a polygon, by Lambert's formula. Parts behind a point's plane subtract.
+// Returns form factors from points to a polygon, by Lambert's formula. Parts behind a point's plane count negative.
 VIEWPEEL_INLINE Floats pointFormFactors(const Vector& p, const float* normal, const Point* corners, uint32_t count) {
   Floats sum{};
   const auto towards = [&](const Point& corner) __attribute__((always_inline)) {
@@ -232,7 +232,7 @@ LineDrawer::LineDrawer(const Patch& a, const Patch& b, LineWay way, double excha
   obstacles_ = makeObstacles<float>(blockers, between, origin, is_swapped);
 }
 
-// Sets the rectangle that angles go to. It lies around the part of the second patch in front of the first one.
+// Finds the rectangle that lines by angles aim at. It surrounds the part of the second patch in front of the first one.
 void LineDrawer::frameSecond(const Point* corners, uint32_t count) {
   Point seen[8], longest{0, 0, 0};
   uint32_t seen_count = 0;
@@ -267,7 +267,7 @@ void LineDrawer::frameSecond(const Point* corners, uint32_t count) {
   }
 }
 
-// Makes points of the first patch denser where the form factor from them is larger, along either coordinate.
+// Makes points of the first patch denser where the form factor to the second patch is larger, along either side.
 void LineDrawer::warpTowards(const Point* corners, uint32_t count, Vectors vectors) {
   constexpr int kBins = Warp::kBins;
   static_assert(kLineLanes == 2 * kBins);
@@ -338,7 +338,7 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       if (k % 4 == 3 && !isAny(seen)) break;
     }
     facing += seen;
-    // Sums of single precision stay short.
+    // Sums in single precision are kept short: a portion's sums are added in double precision.
     if ((block + 1) % kPortionBlocks == 0 || block + 1 == end) {
       sums.facing += double(sumOf(facing)), sums.all += double(sumOf(weights)), sums.squares += double(sumOf(squares));
       facing = weights = squares = Floats{};

@@ -15,9 +15,9 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kTasks = 256;      // that are shared out to threads, at least
-constexpr int kMostCurtains = 4;    // tried for a pair
-constexpr size_t kFewBlockers = 8;  // so few are tested with each pair at once
+constexpr size_t kTasks = 256;      // least number of tasks to share out to threads
+constexpr int kMostCurtains = 4;    // most curtains tried for a pair
+constexpr size_t kFewBlockers = 8;  // so few blockers are tested with each pair at once, without clusters
 
 // Returns whether the line from p to q meets a blocker.
 bool isOnLine(const Blocker& blocker, const dvec3& p, const dvec3& q) {
@@ -37,17 +37,17 @@ struct PairFinder::Task {
   BlockerList between;
 };
 
-// A Search divides one task to its end, in one thread.
+// A Search divides one task until all its pairs are found, in one thread.
 class PairFinder::Search {
  public:
-  // Begins a search.    In: least_form_factor: as in find(); pair_count: of all searches together
+  // Begins a search.    In: least_form_factor: as in find(); pair_count: counts the pairs of all searches
   Search(const PairFinder& finder, double least_form_factor, std::atomic<size_t>& pair_count)
       : finder_(finder),
         least_form_factor_(least_form_factor),
         pair_count_(pair_count),
         curtain_(finder.blockers_, *finder.mesh_) {}
 
-  // Appends the tasks of the next smaller clusters, or finds the pairs of two leaves.
+  // Appends the tasks of a pair of smaller clusters to `next`, or finds the pairs of patches in two leaves.
   void divide(const Task& task, std::vector<Task>& next) {
     if (node(task.a).isLeaf() && node(task.b).isLeaf()) return findLeaf(task.a, task.b, task.between);
     forEachPart(task.a, task.b, [&](uint32_t m, uint32_t n) {
@@ -56,7 +56,7 @@ class PairFinder::Search {
     });
   }
 
-  // Finds all pairs of two clusters.    In: depth: of calls, which have a list each
+  // Finds all pairs of patches in two clusters.    In: depth: of the recursion; each depth has a list of blockers
   void search(uint32_t a, uint32_t b, const BlockerList& between, size_t depth = 0) {
     if (pair_count_ > kMostPatchPairs) return;
     if (node(a).isLeaf() && node(b).isLeaf()) return findLeaf(a, b, between);
@@ -76,7 +76,7 @@ class PairFinder::Search {
     return glm::dot(size, size);
   }
 
-  // Calls do_part(m, n) with the parts of the larger of two clusters and the other one.
+  // Divides the larger of two clusters and calls do_part(m, n) with each part and the other cluster.
   template <class Do>
   void forEachPart(uint32_t of_a, uint32_t of_b, const Do& do_part) const {
     const Node &a = node(of_a), &b = node(of_b);
@@ -97,14 +97,14 @@ class PairFinder::Search {
     return glm::dot(patch.normal, middle) + glm::dot(glm::abs(patch.normal), reach) < patch.offset - kTouchingShaft;
   }
 
-  // Returns whether a pair of the two clusters may look at each other.
+  // Returns whether a patch of one cluster and one of the other may have their fronts towards each other.
   bool mayFace(const Node& a, const Node& b) const {
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
     return !(a.is_flat && isBehind(finder_.patches_[a.patch], b.box)) &&
            !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
 
-  // An End is a cluster or a patch, as bounds of form factors see it.
+  // An End is a cluster or a patch, with what bounds on form factors need.
   struct End {
     Box box;
     double largest_area;
@@ -119,9 +119,9 @@ class PairFinder::Search {
     return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
   }
 
-  // Returns whether all pairs of two ends have unoccluded form factors below the least. With distances of d or more
-  // and heights of h or less over each other's planes it is min(1, h_a / d) min(1, h_b / d) A / (pi d^2), A the larger
-  // area.
+  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. With distances
+  // of d or more and heights of h or less over each other's planes, a form factor is at most min(1, h_a / d) min(1, h_b
+  // / d) A / (pi d^2), where A is the larger area.
   bool areFar(const End& a, const End& b) const {
     if (least_form_factor_ == 0 || a.has_parts || b.has_parts) return false;
     const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
@@ -136,14 +136,14 @@ class PairFinder::Search {
     return all * cosineOver(a.flat, b.box) * cosineOver(b.flat, a.box) < least_form_factor_ * square;
   }
 
-  // Keeps the blockers between two clusters. Returns false where one of them hides all.
+  // Copies the blockers between two clusters to `to`. Returns false where one of them hides a cluster from the other.
   bool keepBetween(const BlockerList& from, uint32_t m, uint32_t n, BlockerList& to) const {
     const Box &a = node(m).box, &b = node(n).box;
     Shaft(a, b).keepInside(from, to, vectors_);
     return m == n || Corners(a, b).findHider(finder_.blockers_, to, vectors_) == UINT32_MAX;
   }
 
-  // Finds the pairs of two leaves, one patch of the larger leaf after the other.
+  // Finds the pairs of two leaves: for each patch of the larger leaf, its pairs with all patches of the other.
   void findLeaf(uint32_t of_a, uint32_t of_b, const BlockerList& between) {
     const bool is_same = of_a == of_b, is_swapped = sizeOf(node(of_a).box) < sizeOf(node(of_b).box);
     const Node &a = node(is_swapped ? of_b : of_a), &b = node(is_swapped ? of_a : of_b);
@@ -165,7 +165,7 @@ class PairFinder::Search {
     }
   }
 
-  // Returns whether one blocker hides a patch from a box. A blocker that hid one row often hides the next.
+  // Returns whether one blocker hides a patch from a whole box. A blocker that hid the last patch often hides the next.
   bool isHiddenRow(const Patch& patch, const Box& box, const BlockerList& between) {
     const Corners corners(patch, box);
     if (corners.areHidden(finder_.blockers_[last_row_hider_], vectors_)) return true;
@@ -186,7 +186,7 @@ class PairFinder::Search {
     if (between_.size() < 2 || !shaft.areLinesBlocked(finder_.blockers_, between_, vectors_)) return false;
     const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
     const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
-    // One line has to cross the curtain; the second serves where the first meets an edge, as it does in tidy scenes.
+    // One line has to cross the curtain. A second one serves where the line between middles meets an edge.
     int tries = 0;
     for (const double to_corner : {0.0, 0.4}) {
       const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
@@ -213,14 +213,14 @@ class PairFinder::Search {
     }
     const size_t before = found.between.size();
     if (is_contact) {
-      // Both patches lie in one plane: blockers of levels between theirs are in the way.
+      // Both patches lie in one plane: blockers of this plane with levels between them are in the way.
       for (const uint32_t k : finder_.covers_[p])
         if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
     } else {
       if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
       between_.clear();
       PatchShaft shaft(a, b);
-      // The blocker that hid the last pair often hides its neighbours.
+      // The blocker that hid the last pair often hides the next one.
       if (from.size() > 0 && shaft.isHiddenBy(finder_.blockers_[last_hider_], vectors_)) return;
       if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
         last_hider_ = between_.back();
@@ -248,7 +248,7 @@ class PairFinder::Search {
   UnoccludedWork work_;
   Curtain curtain_;
   std::vector<uint32_t> between_;
-  std::deque<BlockerList> lists_;  // by depth
+  std::deque<BlockerList> lists_;  // a list of blockers for each depth of the recursion
   BlockerList row_;
   uint32_t last_hider_ = 0, last_row_hider_ = 0;
   Vectors vectors_ = widestVectors();
@@ -256,7 +256,7 @@ class PairFinder::Search {
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {
   if (nodes_.empty()) return {};
-  // One thread divides until there are tasks enough for all threads. Then each task is searched to its end.
+  // One thread divides tasks until there are enough for all threads. Then each task is searched by one thread.
   std::atomic<size_t> found_count = 0;
   Search first(*this, least_form_factor, found_count);
   std::vector<Task> tasks(1);

@@ -1,8 +1,8 @@
 // A PairFinder finds which pairs of polygons may see each other, and which blockers are between the two.
 //
-// Clusters of patches come first. A blocker outside the shaft of two clusters is in the way of no pair of theirs. One
-// blocker that hides two clusters from each other hides all their pairs. Other clusters are divided into smaller ones
-// (S. Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
+// Patches are gathered in clusters first. A blocker outside the shaft of two clusters is in no line's way. A blocker
+// that hides two clusters from each other hides all their pairs. Other clusters are divided into smaller ones (S.
+// Teller, P. Hanrahan, Global visibility algorithms for illumination computations, 1993).
 #pragma once
 #include <atomic>
 #include <cstdint>
@@ -18,21 +18,21 @@
 
 namespace viewpeel {
 
-// A PatchPair is a pair of patches with a form factor above 0 unless something hides it.
+// A PatchPair is a pair of patches whose unoccluded form factor is above 0, and which no single blocker hides.
 struct PatchPair {
   uint32_t a, b;        // patches, a < b
   double exchange = 0;  // A F with nothing in between, unit-ball units squared
-  // These indices of PatchPairs::between name its blockers; there are none where nothing is in the way.
+  // Its blockers are these elements of PatchPairs::between; where nothing is in the way there are none.
   uint32_t first_blocker = 0, blocker_count = 0;
 };
 
-// At most so many pairs are found. A pair takes some 250 bytes, with its plan and its counts.
+// At most this number of pairs is found. A pair takes some 250 bytes, with its plan and its counts.
 constexpr size_t kMostPatchPairs = 12'000'000;
 
 struct PatchPairs {
-  bool is_complete = true;             // false: there are more than kMostPatchPairs, and what is here means nothing
-  std::vector<PatchPair> pairs;        // sorted by (a, b); pairs that are hidden are left out
-  std::vector<PlacedBlocker> between;  // of all pairs
+  bool is_complete = true;             // false: there are more than kMostPatchPairs, and the lists are not to be used
+  std::vector<PatchPair> pairs;        // sorted by (a, b), without hidden pairs
+  std::vector<PlacedBlocker> between;  // blockers of all pairs
 };
 
 // Returns a number above 0 where a blocker of the patch's plane lies in front of the patch.
@@ -42,7 +42,7 @@ inline int stepsInFront(const Blocker& blocker, const Patch& patch) {
 
 class PairFinder {
  public:
-  //   In: scene: referred to; with_backs: whether backs that lines leak to are among the patches
+  //   In: scene: kept by reference; with_backs: whether there are also patches for backs, on which leaking lines end
   //   Cost: O(n log n) for most scenes.
   PairFinder(const Scene& scene, const Ids& ids, bool with_backs = false);
 
@@ -52,13 +52,13 @@ class PairFinder {
   // (Coincidences). Then it is not defined which blockers are between two polygons.
   bool hasUnordered() const { return has_unordered_; }
 
-  // Finds all pairs of patches of different faces of which one emits and the other receives.
-  //   In: threads; stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs of which
-  //   the unoccluded form factor from the smaller patch is below it are left out, but for patches that are parts of one
-  //   row: their form factors add up
+  // Finds all pairs of patches of different faces where one emits and the other receives.
+  //   In: stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs with a smaller
+  //   unoccluded form factor from the smaller patch are left out. Parts of one row are kept, for their form factors add
+  //   up
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
-  //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor. Distant clusters of pairs below the
-  //   least form factor are left out at once. Tests: tests/unit/pair_lines_test.cpp.
+  //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor; next to nothing for distant clusters
+  //   below the least form factor. Tests: tests/unit/pair_lines_test.cpp.
   PatchPairs find(size_t threads, const std::function<void()>& stop = {}, double least_form_factor = 0) const;
 
  private:
@@ -68,10 +68,10 @@ class PairFinder {
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
     bool emits = false, receives = false;
-    bool has_parts = false;   // whether a patch is_part
-    double largest_area = 0;  // of a patch
+    bool has_parts = false;   // whether one of its patches is a part of a row
+    double largest_area = 0;  // of its patches
     bool is_flat = false;     // all patches lie in one plane and look one way
-    uint32_t patch = 0;       // one of them
+    uint32_t patch = 0;       // one of its patches
 
     bool isLeaf() const { return left == 0; }
     uint32_t size() const { return end - first; }
@@ -84,12 +84,12 @@ class PairFinder {
   std::vector<Patch> patches_;
   std::vector<Blocker> blockers_;
   std::unique_ptr<BlockerMesh> mesh_;
-  std::vector<std::vector<uint32_t>> covers_;  // of each patch, the blockers of its plane in front of it
-  std::vector<bool> is_covered_;               // whether one of these covers all of the patch
+  std::vector<std::vector<uint32_t>> covers_;  // by patch: the blockers of its plane in front of it
+  std::vector<bool> is_covered_;               // by patch: whether one blocker of covers_ covers all of it
   bool has_unordered_ = false;
-  std::vector<uint32_t> largest_first_;  // blockers
+  std::vector<uint32_t> largest_first_;  // indices of blockers
   std::vector<Node> nodes_;
-  std::vector<uint32_t> order_;  // of patches in nodes
+  std::vector<uint32_t> order_;  // indices of patches; each node has a range
   HostUnoccluded unoccluded_;
 };
 

@@ -1,8 +1,8 @@
-// Lanes hold numbers of sixteen lines, or of eight blockers, and one operation serves all, on any processor's vectors.
-// Without contraction every lane rounds as a scalar would, so that results are the same bits everywhere.
+// Lanes hold a number for each of sixteen lines, or of eight blockers; one vector instruction acts on all. Without
+// contraction every lane rounds as a scalar would, so results are the same bits everywhere.
 //
-// Vulkan devices round sums, differences and products of single precision correctly, but quotients and roots to 2.5 ulp
-// or worse. Lines that devices draw, too, are therefore made of sums, differences, products and comparisons alone
+// Vulkan devices round sums, differences and products in single precision correctly, quotients and roots to 2.5 ulp or
+// worse. Devices draw the same lines, so lines are made of sums, differences, products and comparisons alone
 // (docs/method.md, section 13).
 #pragma once
 #include <bit>
@@ -35,8 +35,8 @@ VIEWPEEL_INLINE Lanes load(const Number* from) {
   return lanes;
 }
 
-// A condition is a number for each lane, above 0 or not. Compilers that do not know the processor take comparisons
-// apart, lane by lane, where these comparisons end in integers. They leave choices between numbers whole.
+// A condition is a number for each lane: above 0 means true. Numbers serve better than integers: compilers that do not
+// know the processor split comparisons into single lanes where the result is an integer.
 VIEWPEEL_INLINE Floats least(const Floats& a, const Floats& b) { return a < b ? a : b; }
 VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b ? a : b; }
 VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
@@ -50,7 +50,7 @@ VIEWPEEL_INLINE double greatest(double a, double b) { return a > b ? a : b; }
 // Returns x where the condition is above 0, else 0.
 VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) { return condition > 0.0f ? x : Floats{}; }
 
-// Returns the largest or least of all lanes.
+// Returns the largest lane.
 VIEWPEEL_INLINE double largestOf(const Doubles& x) {
   const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], c = x[4] > x[5] ? x[4] : x[5],
                d = x[6] > x[7] ? x[6] : x[7], e = a > b ? a : b, f = c > d ? c : d;

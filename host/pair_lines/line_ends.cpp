@@ -28,7 +28,7 @@ template <class Number>
 LineEnd<Number> makeLineEnd(const Patch& patch, const dvec3& origin, bool folds) {
   LineEnd<Number> end{};
   end.is_folded = patch.corner_count == 3 && folds;
-  // Without folding a triangle's last corner is its first one again: a square with one collapsed side.
+  // A triangle that is not folded is a square whose last side is collapsed: its last corner is its first one again.
   const dvec3* const c = patch.corners;
   const dvec3 last = patch.corner_count == 3 ? c[0] : c[3];
   const dvec3 side_a = c[1] - c[0], side_b = (end.is_folded ? c[2] : last) - c[0],

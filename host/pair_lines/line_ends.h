@@ -1,8 +1,8 @@
-// Where lines between two patches start and end, and what they pass, for sixteen lines in single precision or for one
-// in double: the same formulas for both.
+// A line end is a patch on which lines start or end; an obstacle may block them. The same formulas serve for sixteen
+// lines in single precision and for one line in double precision.
 //
-// All coordinates are relative to an origin near the smaller patch, so that rounding is relative to the distance from
-// it.
+// All coordinates are relative to an origin near the smaller patch, and rounding errors are relative to the distance
+// from it.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -15,7 +15,7 @@
 
 namespace viewpeel {
 
-// What covers an end of lines lies in its plane; other blockers lie between.
+// A blocker that covers an end of lines lies in the end's plane; all others lie between the ends.
 enum class BlockerPlace : uint8_t { between, over_first, over_second };
 
 struct PlacedBlocker {
@@ -23,25 +23,25 @@ struct PlacedBlocker {
   BlockerPlace place;
 };
 
-// Returns a place as it is called where the first end is the second patch.
+// Returns the place with first and second exchanged where is_swapped.
 BlockerPlace placeFrom(BlockerPlace place, bool is_swapped);
 
 // Returns the normal of a patch's corners, counter-clockwise, unit length.
 glm::dvec3 acrossOf(const Patch& patch);
 
-// A point is corner + s side_a + t side_b + s t twist for s, t in [0, 1]; of a folded triangle where s + t <= 1.
+// A point is corner + s side_a + t side_b + s t twist for s, t in [0, 1]; on a folded triangle s + t <= 1.
 template <class Number>
 struct LineEnd {
   Number corner[3], side_a[3], side_b[3], twist[3];
-  Number density[3];  // of the area, per ds dt: 1, s, t; a folded triangle has one density
+  Number density[3];  // area per ds dt is density[0] + density[1] s + density[2] t; constant on a folded triangle
   Number normal[3], offset;
   bool is_folded;
   uint32_t edge_count;
   Number edges[4][4];  // outward normals and minus their offsets
 };
 
-// Returns an end of lines.    In: folds: whether the square of s and t is folded onto a triangle; else one of its sides
-// collapses
+// Makes an end of lines of a patch.    In: folds: how the unit square of s and t becomes a triangle: folded along its
+// diagonal, or else with one side collapsed to a corner
 template <class Number>
 LineEnd<Number> makeLineEnd(const Patch& patch, const glm::dvec3& origin, bool folds);
 
@@ -53,7 +53,7 @@ struct Obstacle {
   Number edges[kMostBlockerCorners][4];
 };
 
-// Returns what lines may meet.    In: is_swapped: whether the first end is the second patch of the places
+// Makes obstacles of blockers.    In: is_swapped: whether `between` exchanges the names of first and second end
 template <class Number>
 std::vector<Obstacle<Number>> makeObstacles(const std::vector<Blocker>& blockers,
                                             std::span<const PlacedBlocker> between, const glm::dvec3& origin,
@@ -73,12 +73,12 @@ VIEWPEEL_INLINE Lanes dot(const LaneVector<Lanes>& a, const LaneVector<Lanes>& b
   return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-// Returns points on a patch.    In: s, t: in [0, 1]    Out: density: of its area there
+// Returns points on a patch.    In: s, t: in [0, 1]    Out: density: area per ds dt at each point
 template <class Number, class Lanes>
 VIEWPEEL_INLINE LaneVector<Lanes> pointOn(const LineEnd<Number>& of, Lanes s, Lanes t, Lanes& density) {
   if (of.is_folded) {
-    // The square is folded onto the triangle, area for area (E. Heitz, A low-distortion map between triangle and
-    // square, 2019).
+    // This map folds the square onto the triangle and keeps areas in proportion (E. Heitz, A low-distortion map between
+    // triangle and square, 2019).
     const Lanes half_s = 0.5f * s, half_t = 0.5f * t, folded_s = t > s ? half_s : s - half_t;
     t = t > s ? t - half_s : half_t;
     s = folded_s;
@@ -90,7 +90,7 @@ VIEWPEEL_INLINE LaneVector<Lanes> pointOn(const LineEnd<Number>& of, Lanes s, La
           of.corner[2] + of.side_a[2] * s + of.side_b[2] * t + of.twist[2] * st};
 }
 
-// Returns how far a point of the plane is beyond the farthest edge: at most 0 inside.
+// Returns the distance of a point of the plane beyond the polygon's farthest edge; at most 0 inside.
 template <class Number, class Lanes>
 VIEWPEEL_INLINE Lanes beyond(const Number (*edges)[4], uint32_t count, const LaneVector<Lanes>& at) {
   Lanes most = dot(edges[0], at) + edges[0][3];

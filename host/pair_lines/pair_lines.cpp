@@ -17,10 +17,10 @@ namespace {
 constexpr size_t kChunk = 64;             // pairs that a thread takes at once
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
-constexpr double kLarge = 0.3;       // form factors above which angles are better than points
-constexpr double kNear = 0.15;       // gap in diagonals of the smaller patch, below which they are, too,
-constexpr double kLeastNear = 1e-3;  // where the form factor is larger than this
-constexpr double kUneven = 0.2;      // effective share of points, below which angles are better, too
+constexpr double kLarge = 0.3;       // above this unoccluded form factor lines are drawn by angles
+constexpr double kNear = 0.15;       // so are they where the gap is below this many diagonals of the smaller patch
+constexpr double kLeastNear = 1e-3;  // and the form factor is above this
+constexpr double kUneven = 0.2;      // and where lines by points have a smaller effective share
 constexpr uint32_t kMostPeriod = 8;
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -68,7 +68,7 @@ std::vector<LinePair> PairLines::find(double least_form_factor) {
   return pairs;
 }
 
-// Leaves out pairs of faces in parts, whose form factors add up to less than the least.
+// Leaves out pairs of faces whose parts together have an unoccluded form factor below the least.
 void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor) {
   size_t kept = 0;
   for (size_t k = 0; k < pairs.size(); ++k) {
@@ -100,7 +100,7 @@ std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t r
   return scrambles;
 }
 
-// Returns what to draw of one part of a pair.
+// Returns the task that draws the lines of one part of a pair.
 LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const {
   const PatchPair& patches = parts_.pairs[part];
   const bool is_contact = finder_.patches()[patches.a].plane == finder_.patches()[patches.b].plane;
@@ -115,7 +115,7 @@ LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replica
           .end = blocks};
 }
 
-// Makes the count of a pair in one replicate of the lines of its parts.    In: drawn_of: of a part that has blockers
+// Makes the count of a pair in one replicate from its parts' lines.    In: drawn_of(part): of a part with blockers
 template <class DrawnOf>
 LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const {
   double facing = 0, all = 0, squares = 0, blockable = 0;
@@ -127,7 +127,7 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
     const double weight = parts_.pairs[k].exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
-  // Counts are integers: kLineUnit is the expected weight of all lines.
+  // Counts are integers, in units where the expected weight of all lines is kLineUnit.
   const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
   const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
   LineCount count{0, blocks, 0, 0, 0};
@@ -146,7 +146,7 @@ LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t rep
   });
 }
 
-// Makes the device ready, and tries it: where it rounds otherwise than the processor, the processor draws all lines.
+// Opens the device and compares some lines with the processor's; where they differ the processor draws all lines.
 void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate) {
   device_lines_.emplace(*device_, finder_.patches(), finder_.blockers());
   std::vector<LineTask> tasks;
@@ -158,7 +158,7 @@ void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const Line
   if (!agree(*device_lines_, tasks, finder_.patches(), finder_.blockers())) device_lines_.reset();
 }
 
-// Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: with their pairs
+// Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: `pair` is set
 void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate) {
   std::vector<size_t> first_task(counts.size() + 1);
   for (size_t k = 0; k < counts.size(); ++k) {
@@ -197,7 +197,7 @@ void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCoun
   });
 }
 
-// Draws on the device. Returns false where it rounds otherwise, or lacks memory; it is not asked again then.
+// Draws on the device. Returns false where the device rounds otherwise or lacks memory; then it is not used again.
 bool PairLines::tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate) {
   try {
     if (!device_lines_) openDevice(pairs, counts, replicate);
@@ -251,9 +251,9 @@ bool PairLines::isPartial(const Group& group) const {
   return false;
 }
 
-// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 are too few. No pilot
-// is needed where 16 lines do whatever they say.
-//   In: goal: standard error of the visibility    Out: pair: by_angles
+// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 say too little. There
+// is no pilot where 16 lines reach the goal for any visibility.
+//   In: goal: standard error of the visibility    Out: pair: by_angles is set where lines by angles are better
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;
   if (goal >= kCertainError) return kPilotLines;

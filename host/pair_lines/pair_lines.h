@@ -17,52 +17,52 @@
 namespace viewpeel {
 
 // How an estimate finds the lines that a pair needs (PairLines::plan).
-constexpr uint32_t kLinePilots = 8;  // of 16 lines each
-// N lines that agree leave a share of at most ln(1 / p) / N to lines that do not, but for probability p. At p = 1e-3,
-// with errors of four standard errors, N has to be this over the allowed standard error.
+constexpr uint32_t kLinePilots = 8;  // most pilots of a pair, of 16 lines each
+// Where N lines agree, all blocked or all facing, other lines have a share of at most ln(1 / p) / N but for probability
+// p. At p = 1e-3, with errors of four standard errors, N has to be this number over the allowed standard error.
 constexpr double kAgreeingLines = 1.75;
-// 16 lines leave a visibility this standard error at most where their weights are as uneven as kUneven allows: eq. (46)
-// and (47) with b = 1/2 and n = 3.2.
+// The largest standard error of a visibility by 16 lines whose weights are as uneven as kUneven allows: eq. (46) and
+// (47) of docs/method.md with b = 1/2 and n = 3.2.
 constexpr double kCertainError = 0.272;
-constexpr double kLineRate = 0.8;  // a variance falls as N^-1.25: N lines for it are its power of -0.8
+constexpr double kLineRate = 0.8;  // lines needed grow as the variance to this power, which falls as N^-1.25
 
 // PairLinesFigures say how many pairs and blockers were found.
 struct PairLinesFigures {
-  uint64_t clear = 0, partial = 0;  // pairs of faces
-  uint64_t blockers = 0;            // joined from all polygons
+  uint64_t clear = 0, partial = 0;  // pairs of faces without and with a blocker in between
+  uint64_t blockers = 0;            // after neighbouring polygons were joined
 };
 
 class PairLines {
  public:
   // Prepares patches and blockers; find() does the search.
-  //   In: scene, face_ids: referred to; face_ids: by face, with roles where a question restricts them; with_leak:
-  //   whether pairs of faces and backs are looked for, too; threads: 0: one a core; stop: called between parts of the
-  //   work, may throw, may be empty; device: draws the lines of replicates, the same bits; nullptr: the threads do
+  //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; with_leak: whether to find pairs of a
+  //   face and a back, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty;
+  //   device: draws lines, with the same bits; nullptr: threads do
   PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {}, const Device* device = nullptr);
 
-  // Finds all pairs with an unoccluded form factor above 0 that nothing hides, sorted, without lines.
-  //   In: least_form_factor: pairs are left out whose unoccluded form factor from the smaller face is below it
+  // Finds all pairs with an unoccluded form factor above 0 that no single blocker hides, sorted. It plans no lines yet.
+  //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
   PairLinesFigures figures() const;
-  // Returns whether coincident polygons have no order (PairFinder). There are no pair lines then.
+  // Returns whether coincident polygons have no order (PairFinder). Then pair lines cannot be used.
   bool hasUnordered() const { return finder_.hasUnordered(); }
-  // Returns whether find() has met more pairs than kMostPatchPairs and kept none.
+  // Returns whether find() has found more pairs than kMostPatchPairs and kept none.
   bool hasTooMany() const { return !parts_.is_complete; }
 
-  // Gives each pair lines, from pilots of 16 and 128 lines.
-  //   In: pairs: as found; allowed: standard error that each pair may have, input units squared of exchange area; most
-  //   pairs fall below it; replicates: in which the lines are drawn
+  // Gives each pair its number of lines, by pilots of 16 and 128 lines.
+  //   In: pairs: as found; allowed(pair): standard error that its exchange area may have, input units squared; most
+  //   stay below it; replicates: number of replicates that draw these lines
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
   // Draws the lines of one replicate.
-  //   In: pairs: as planned, all of find()'s; times: how many times its planned lines each pair draws, whatever its
-  //   turn; empty: pairs draw once when it is their turn
+  //   In: pairs: all of find()'s, with their plan; times: each pair draws its planned lines so many times in this
+  //   replicate. Where it is empty, pairs draw once in every pair.period replicates
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times = {});
 
-  // A part of a pair of faces: two of their patches that something may block.
+  // A Part is two patches of a pair of faces that something may block.
   struct Part {
     uint32_t index;
     double exchange;  // with nothing in between, input units squared
@@ -70,11 +70,11 @@ class PairLines {
   // Returns the parts of a pair that something may block.    In: pair: an index into find()'s
   std::vector<Part> blockableParts(size_t pair) const;
   // Draws independent lines of one part.
-  //   In: part: Part::index; series: different ones are independent; most_candidates: for one line
-  //   Out: a function of seed, part and series alone; where a line takes more candidates, all lines are open
+  //   In: part: Part::index; series: different series are independent; most_candidates: for one line
+  //   Out: a function of seed, part and series alone; all lines are open where one would take more candidates
   UniformLineCount drawUniform(uint32_t part, uint64_t series, uint64_t lines, double most_candidates,
                                Vectors vectors) const;
-  // Returns an estimate of the visibility of one part from 16 scrambled lines.    In, Out: as drawUniform
+  // Estimates the visibility of one part from 16 scrambled lines.    In, Out: as drawUniform
   double guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
   size_t threads() const { return threads_; }
   void stopIfRequested() const {
@@ -104,10 +104,10 @@ class PairLines {
   size_t threads_;
   std::function<void()> stop_;
   PairFinder finder_;
-  PatchPairs parts_;           // pairs of patches, by pairs of faces
-  std::vector<Group> groups_;  // of each pair of faces
+  PatchPairs parts_;           // grouped by pairs of faces
+  std::vector<Group> groups_;  // by pair of faces: its parts
   const Device* device_;
-  std::optional<DeviceLines> device_lines_;  // once lines were drawn on it, and were those of the processor
+  std::optional<DeviceLines> device_lines_;  // set once the device has drawn lines with the processor's bits
 };
 
 }  // namespace viewpeel

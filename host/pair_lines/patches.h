@@ -1,4 +1,4 @@
-// Patches are sides of polygons, as ends of lines.
+// A patch is one side of a polygon, on which lines start or end.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -13,14 +13,14 @@ namespace viewpeel {
 // A Patch is one side of a convex polygon with three or four corners. Lengths are in unit-ball units.
 struct Patch {
   uint32_t side = 0;   // frontSide or backSide of its polygon
-  uint32_t id = 0;     // of its row; a back that lines leak to has its row's plus the number of rows
+  uint32_t id = 0;     // of its row; for a back on which leaking lines end: its row's id plus the number of rows
   uint32_t plane = 0;  // Scene::planes
-  int height = 0;      // blockers of this plane with higher levels lie in front of the side, see stepsInFront
+  int height = 0;      // blockers of its plane with a higher level lie in front of it, see stepsInFront
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
   bool is_part = false;  // whether its row has more patches
   uint32_t corner_count = 0;
-  glm::dvec3 corners[4]{};       // a triangle's last twice
+  glm::dvec3 corners[4]{};       // a triangle has its last corner twice
   glm::dvec3 normal{0};          // of the side, unit length
   double offset = 0;             // normal . x = offset
   glm::dvec3 edge_normals[4]{};  // within its plane, outwards, unit length
@@ -30,7 +30,7 @@ struct Patch {
 };
 
 // Makes patches of the sides that emit or receive.
-//   In: ids of the scene's polygons, with their roles; with_backs: whether backs that lines leak to are among them
+//   In: ids: rows and roles of polygons; with_backs: whether there are patches for backs, on which lines may end
 //   Cost: O(polygons).
 std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs);
 

@@ -21,14 +21,14 @@ VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker
   return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
 }
 
-// A Tangent is a plane through an edge of a patch whose inner side has all points that the patch can see.
+// A Tangent is a plane through an edge of a patch. All points of the other end that the patch can see lie inside of it.
 struct Tangent {
   bool is_found = false;
   dvec3 normal{0};
   double offset = 0;
 };
 
-// Returns the tangent of an edge of a.    In: heights of the other end's corners over a's plane
+// Returns the tangent through an edge of a.    In: heights: of the other end's corners over a's plane
 Tangent tangentOf(const Patch& a, uint32_t edge, std::span<const dvec3> corners, std::span<const double> heights) {
   double outward[8], slope = -INFINITY;
   for (size_t k = 0; k < corners.size(); ++k) {
@@ -36,7 +36,7 @@ Tangent tangentOf(const Patch& a, uint32_t edge, std::span<const dvec3> corners,
     if (heights[k] > kTouchingShaft) slope = std::max(slope, outward[k] / heights[k]);
   }
   if (!(slope > -INFINITY)) return {};
-  // Where the other end crosses a's plane beyond the edge no plane through the edge has it on its inner side.
+  // Where the other end crosses a's plane beyond the edge there is no tangent.
   for (size_t k = 0; k < corners.size(); ++k) {
     if (heights[k] > kTouchingShaft) continue;
     if (heights[k] >= -kTouchingShaft) {
@@ -105,7 +105,7 @@ void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors
 [[gnu::always_inline]] inline void Shaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
   for (size_t g = 0; g < from.groupCount(); ++g) {
     const BlockerList::Group& group = from.group(g);
-    // How far the nearest point of each box is outside the shaft.
+    // The distance of each box's nearest point from the shaft.
     Doubles outside = all(-double(INFINITY));
     for (int axis = 0; axis < 3; ++axis) {
       outside = greatest(outside, load<Doubles>(group.bounds[axis]) - both_.high[axis]);
@@ -167,7 +167,7 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
   uint32_t found = UINT32_MAX;
   runVectorised(
       vectors, [&]() __attribute__((always_inline)) {
-        // A blocker that hides all meets the line between the middles.
+        // A blocker that hides the second end meets the line between the two ends' middles.
         constexpr double kLeast = 1e-300;
         double per_length[3];
         for (int axis = 0; axis < 3; ++axis) {
@@ -196,7 +196,7 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
 
 bool areApart(const Patch& patch, const Blocker& blocker) {
   if (patch.plane == blocker.plane) return false;
-  // A plane of either is between them: the blocker's, the patch's, or one through an edge of the patch.
+  // A plane of one of them separates them: the blocker's plane, the patch's, or one through an edge of the patch.
   double least = INFINITY, largest = -INFINITY;
   for (const dvec3& corner : patch.corners) {
     const double height = glm::dot(blocker.normal, corner) - blocker.offset;
@@ -261,7 +261,7 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
 }
 
-// Returns whether the blocker hides all.    In: heights of the eight corners over the blocker's plane
+// Returns whether the blocker hides all of b from a.    In: heights: of the eight corners over the blocker's plane
 [[gnu::always_inline]] inline bool PatchShaft::hides(const Blocker& blocker, const Doubles& heights) const {
   int above_a = 0, above_b = 0, below_a = 0, below_b = 0;
   for (int k = 0; k < 4; ++k) {
@@ -316,7 +316,7 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
     for (int axis = 0; axis < 3; ++axis) bounds[axis][p] = planes_[axis][p] > 0 ? axis : 3 + axis;
   for (size_t g = 0; g < from.groupCount(); ++g) {
     const BlockerList::Group& group = from.group(g);
-    // How far the nearest point of each box is outside the shaft: boxes first, eight at once, then corners.
+    // The distance of each box's nearest point from the shaft: boxes first, eight at once, then corners.
     Doubles outside = all(-double(INFINITY));
     for (int p = 0; p < used_planes_; ++p)
       outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +
@@ -346,7 +346,7 @@ bool PatchShaft::isOutside(const std::array<dvec3, 2>& ends) const {
 
 bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span<const uint32_t> between,
                                  Vectors vectors) const {
-  // Lines between points near corners: of a and b in turn, four of them crosswise.
+  // Eight lines between points near the corners of a and b: four to the corner of the same index, four crosswise.
   Doubles p[3], q[3];
   constexpr double kToMiddle = 0.05;
   for (int axis = 0; axis < 3; ++axis)
@@ -358,7 +358,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
   bool are_blocked = false;
   runVectorised(
       vectors, [&]() __attribute__((always_inline)) {
-        // Above 0 where a line is free so far.
+        // A lane is above 0 where no blocker lies on its line.
         Doubles is_free = all(1.0);
         for (const uint32_t index : between) {
           const Blocker& blocker = blockers[index];

@@ -1,9 +1,9 @@
-// A shaft tells which blockers may lie between two ends of lines.
+// A shaft is the space that all lines between two ends run through; it tells which blockers may lie between the ends.
 //
 // The shaft of two convex ends is their convex hull: all lines between them run inside it (E. Haines, J. Wallace, Shaft
 // culling for efficient ray-cast radiosity, 1991). A blocker beyond one plane of the shaft is in no line's way. A
-// blocker that every line between corners passes through hides all of one end from the other. For a line between any
-// two points crosses the blocker's plane at a convex combination of the points where lines between corners do.
+// blocker hides all of one end from the other where it meets every line between their corners. Proof: a line between
+// any two points crosses the blocker's plane at a convex combination of the points where the corners' lines cross it.
 #pragma once
 #include <array>
 #include <cstdint>
@@ -17,14 +17,14 @@
 
 namespace viewpeel {
 
-// A blocker that reaches less deep than this into a shaft touches it and is not in the way; unit-ball units.
+// Blockers that reach less deep than this into a shaft only touch it and do not block; in units of the radius.
 constexpr double kTouchingShaft = 1e-9;
 
 struct Box {
   glm::dvec3 low{0}, high{0};
 };
 
-// A Shaft has planes around all lines between two ends, of which one is a box or a patch and the other a box.
+// A Shaft is bounded by planes around all lines between two ends: a box or a patch, and a box.
 class Shaft {
  public:
   Shaft(const Box& a, const Box& b);
@@ -39,14 +39,14 @@ class Shaft {
   struct OutwardPlane {
     double normal[3];
     double offset;
-    int bounds[3];  // of BlockerList::Group: the side of a box that is nearest
+    int bounds[3];  // of BlockerList::Group: which bounds make the box's corner that is farthest inwards
   };
   Box both_;
-  OutwardPlane planes_[17];  // twelve of two boxes, a patch's plane, and four through its edges
+  OutwardPlane planes_[17];  // twelve around two boxes, or a patch's plane and four through its edges
   int plane_count_ = 0;
 };
 
-// Corners are the corners of two convex ends, up to eight each, for tests of blockers that hide all.
+// Corners are the corners of two convex ends, up to eight each. They tell which blockers hide one end from the other.
 class Corners {
  public:
   Corners(const Box& a, const Box& b);
@@ -54,37 +54,37 @@ class Corners {
 
   // Returns whether the blocker hides all of one end from all of the other.
   bool areHidden(const Blocker& blocker, Vectors vectors) const;
-  // Finds a blocker that does.    Out: an index, or UINT32_MAX
+  // Finds a blocker that hides one end from the other.    Out: its index, or UINT32_MAX
   uint32_t findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const;
 
  private:
   bool areHiddenBy(const Blocker& blocker) const;
 
-  int count_ = 0;      // of the first end
-  Doubles first_[3];   // the first end's
-  Doubles second_[3];  // the second end's
+  int count_ = 0;      // of the first end's corners
+  Doubles first_[3];   // coordinates of the first end's corners
+  Doubles second_[3];  // coordinates of the second end's corners
   glm::dvec3 middles_[2];
 };
 
-// Returns whether a patch touches a blocker nowhere but at its own edges, or not at all.
+// Returns whether a patch touches a blocker nowhere but at the patch's edges, or not at all.
 bool areApart(const Patch& patch, const Blocker& blocker);
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {
  public:
-  //   In: a, b: referred to
+  //   In: a, b: kept by reference
   PatchShaft(const Patch& a, const Patch& b);
-  // Returns whether one blocker hides all.
+  // Returns whether one blocker hides b from a.
   bool isHiddenBy(const Blocker& blocker, Vectors vectors) const;
-  // Finds the blockers between the patches. Returns whether one of them hides all.
-  //   In: from: blockers of the patches' planes are passed over
-  //   Out: between: appended to, the blockers that some line may meet; the last one hides all where true is returned
+  // Finds the blockers between the patches. Returns whether one of them hides b from a.
+  //   In: from: blockers to try; blockers of the patches' planes are passed over
+  //   Out: between: blockers that some line may meet are appended; where it returns true the last one hides b from a
   //   Cost: O(from).
   bool isHidden(const std::vector<Blocker>& blockers, const BlockerList& from, std::vector<uint32_t>& between,
                 Vectors vectors);
-  // Returns whether a straight edge is outside, after isHidden().
+  // Returns whether no line between the patches meets an edge with these ends. Call isHidden() first.
   bool isOutside(const std::array<glm::dvec3, 2>& ends) const;
-  // Returns whether each of eight lines meets one of these blockers.
+  // Returns whether each of eight lines between the patches meets one of these blockers.
   bool areLinesBlocked(const std::vector<Blocker>& blockers, std::span<const uint32_t> between, Vectors vectors) const;
 
  private:

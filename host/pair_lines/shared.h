@@ -1,4 +1,4 @@
-// C++ gets from here the structs and constants that the shaders of pair lines share, for C++.
+// This header gives C++ the structs and constants that shaders/pair_lines/pair_lines.h writes once for both languages.
 #pragma once
 #include <cstdint>
 

@@ -14,19 +14,19 @@ namespace {
 
 using glm::dvec3;
 
-// Rounding moves places by less than so many units in the last place of the largest coordinate, the 2^-24 or 2^-53 of
-// random numbers included: docs/method.md, section 14.
+// Rounding moves places by less than this number of units in the last place of the largest coordinate. The 2^-24 or
+// 2^-53 of random numbers are included: docs/method.md, section 14.
 constexpr double kPlaceUlps = 64;
 constexpr double kUlp[] = {0x1p-24, 0x1p-53};
-// Squares of cosines below which sqrt(1 - x^2 - y^2) loses more than that.
+// Below this square of the cosine, sqrt(1 - x^2 - y^2) loses more than kPlaceUlps.
 constexpr double kLeastCosine2[] = {1.0 / 64, 1e-8};
-constexpr float kLeastSlope = 1e-18f;  // so that nothing overflows
-// Candidates beyond this multiple of what is expected show that the exchange area is wrong.
+constexpr float kLeastSlope = 1e-18f;  // least slope that is divided by, so that nothing overflows
+// More candidates than this multiple of their expected number show that the exchange area is wrong.
 constexpr double kMostCandidates = 64;
 constexpr uint64_t kFreeCandidates = 1 << 10;
 
-// Sixteen generators xoshiro128++ side by side (D. Blackman, S. Vigna, Scrambled linear pseudorandom number generators,
-// ACM Trans. Math. Softw. 47, 2021).
+// Generators are sixteen generators xoshiro128++ side by side (D. Blackman, S. Vigna, Scrambled linear pseudorandom
+// number generators, ACM Trans. Math. Softw. 47, 2021).
 struct Generators {
   Words state[4];
 
@@ -55,12 +55,12 @@ struct Generators {
   }
 };
 
-constexpr int kNumbers = 5;  // that a candidate takes
+constexpr int kNumbers = 5;  // random numbers that a candidate takes
 
-// Candidates for lines, and how surely they are lines of the pair.
+// Candidates are sixteen candidates for lines, or one, with bounds that say how surely they are lines of the pair.
 template <class Lanes>
 struct Candidates {
-  LaneVector<Lanes> p, d, q;     // from p along d; q: where they arrive
+  LaneVector<Lanes> p, d, q;     // each runs from p along d and arrives at q
   Lanes arrival, arrival_error;  // q = p + arrival d
   // A candidate is surely a line of the pair where `inside` is above 0, and surely none where `outside` is below 0.
   Lanes inside, outside;
@@ -103,7 +103,7 @@ VIEWPEEL_INLINE Candidates<Lanes> drawDirections(const Geometry& of, const Lanes
   Candidates<Lanes> lines;
   Lanes density;
   lines.p = pointOn(of.first, u[0], u[1], density);
-  // Uniform in the disk below the hemisphere (W. Nusselt 1928).
+  // The direction is uniform in the disk below the hemisphere, by W. Nusselt's projection (1928).
   const Lanes x = 2.0f * u[2] - 1.0f, y = 2.0f * u[3] - 1.0f, cosine2 = 1.0f - x * x - y * y,
               z = rootOf(greatest(cosine2, filled(of.least_cosine2, x)));
   const auto along = [&](int axis) __attribute__((always_inline)) {
@@ -122,7 +122,7 @@ VIEWPEEL_INLINE Candidates<Lanes> drawDirections(const Geometry& of, const Lanes
   require(lines, density * of.scale - u[4], filled(of.weight_error, x));
   require(lines, -beyond(of.second.edges, of.second.edge_count, lines.q),
           of.place_error + of.reach * lines.arrival_error);
-  // Near the disk's rim z is not accurate.
+  // Near the disk's rim z is not accurate, so the candidate is undecided.
   lines.inside = cosine2 > of.least_cosine2 ? lines.inside : filled(-1, x);
   lines.outside = cosine2 > of.least_cosine2 ? lines.outside : cosine2 + of.least_cosine2;
   return lines;
@@ -141,8 +141,8 @@ VIEWPEEL_INLINE Candidates<Lanes> drawContacts(const Geometry& of, const Lanes* 
   return lines;
 }
 
-// Finds how far lines pass a blocker.    Out: passed: above `error` where they surely do, below -error where they are
-// surely blocked
+// Returns how far lines pass beyond a blocker.    Out: above `error` where a line surely passes; below -error where it
+// surely does not
 template <class Number, class Geometry, class Lanes>
 VIEWPEEL_INLINE Lanes passing(const Obstacle<Number>& by, const Geometry& of, const Candidates<Lanes>& lines,
                               Lanes& error) {
@@ -166,7 +166,7 @@ dvec3 anyAcross(const dvec3& n) {
   return glm::normalize(glm::cross(n, axis));
 }
 
-// The largest height of the patch's corners in front of the other.
+// Returns the largest height of the patch's corners in front of the other patch.
 double mostInFront(const Patch& patch, const Patch& of) {
   double most = 0;
   for (uint32_t k = 0; k < patch.corner_count; ++k)
@@ -182,13 +182,13 @@ double mostDensity(const End& end) {
 
 }  // namespace
 
-// Each direction has a gap between the patches, which is a lower bound. Tried are the patches' normals and the
-// directions of Gilbert's algorithm (E. Gilbert, An iterative procedure for computing the minimum of a quadratic form
-// on a convex set, 1966).
+// The gap between the patches along any direction is a lower bound on their distance. The patches' normals and the
+// directions of Gilbert's algorithm are tried (E. Gilbert, An iterative procedure for computing the minimum of a
+// quadratic form on a convex set, 1966).
 double leastDistance(const Patch& a, const Patch& b) {
   constexpr int kSteps = 16;
   constexpr double kSharp = 1e-3;
-  dvec3 z = b.middle - a.middle;  // a point of the differences of points of b and of a
+  dvec3 z = b.middle - a.middle;  // a difference of a point of b and a point of a
   double best = 0;
   dvec3 nearest(0);
   const auto tryDirection = [&](const dvec3& direction) {
@@ -222,7 +222,7 @@ UniformLines::UniformLines(const Patch& a, const Patch& b, double exchange, cons
   accurate_ = makeGeometry<double>(small, large, blockers, between, is_swapped);
 }
 
-// Sets way, most and efficiency.
+// Chooses the way that wastes the fewest candidates, and sets most_ and efficiency_.
 void UniformLines::chooseWay(const Patch& small, const Patch& large, double exchange) {
   const double density = mostDensity(makeLineEnd<double>(small, small.middle, true));
   if (small.plane == large.plane) {
@@ -258,7 +258,7 @@ UniformLines::Geometry<Number> UniformLines::makeGeometry(const Patch& small, co
   of.weight_error = static_cast<Number>(kPlaceUlps * ulp);
   of.least_cosine2 = static_cast<Number>(kLeastCosine2[kIsDouble]);
   if (way_ == Way::points) {
-    // Where cosines and distance are off by place_error, the weight is off by so much of the largest.
+    // An error of place_error in cosines and distance changes a weight by this share of the largest weight.
     const double r = leastDistance(small, large), densities = mostDensity(of.first) * mostDensity(of.second);
     of.weight_error += static_cast<Number>(6 * place_error / (r * r * r) * densities / most_);
   }
@@ -275,7 +275,7 @@ UniformLineCount UniformLines::draw(uint64_t stream, uint64_t lines, Vectors vec
   return count;
 }
 
-// Decides about one candidate in double precision, with further digits of its random numbers.
+// Decides about one candidate in double precision, with more digits of its random numbers.
 UniformLineCount UniformLines::decide(const uint32_t* words) const {
   double u[kNumbers];
   for (int d = 0; d < kNumbers; ++d) {
@@ -287,7 +287,7 @@ UniformLineCount UniformLines::decide(const uint32_t* words) const {
                                   : way_ == Way::directions ? drawDirections(accurate_, u)
                                                             : drawContacts(accurate_, u);
   UniformLineCount count;
-  if (!(line.inside > 0)) return count;  // also where even double precision does not tell: 1e-8 of all
+  if (!(line.inside > 0)) return count;  // undecided candidates are dropped, too: 1e-8 of all
   count.lines = 1;
   bool is_open = false;
   for (const Obstacle<double>& obstacle : accurate_.obstacles) {
@@ -300,7 +300,7 @@ UniformLineCount UniformLines::decide(const uint32_t* words) const {
   return count;
 }
 
-// Lines of a pair that wait until sixteen of them are tested together, for most candidates may be none.
+// Waiting lines are candidates that may be lines of the pair. Sixteen are tested at a time, for most candidates fail.
 struct UniformLines::Waiting {
   static constexpr int kMost = 2 * kLineLanes;
   static constexpr int kFigures = 12;  // p, d, q, arrival, arrival_error, inside
@@ -327,13 +327,13 @@ struct UniformLines::Waiting {
   }
 };
 
-// Tests the first of the waiting lines, sixteen at most, and counts up to `lines` of them.
+// Tests the first waiting lines, sixteen at most, against all obstacles and adds up to `lines` of them to the sum.
 [[gnu::always_inline]] inline void UniformLines::test(const Waiting& waiting, uint64_t lines,
                                                       UniformLineCount& sum) const {
   const Candidates<Floats> line = waiting.first();
   const int here = std::min(waiting.count, kLineLanes);
   const Floats one = all(1.0f), none{};
-  // Lines are blocked where one blocker surely blocks them, and facing where they surely pass all.
+  // A line is blocked where one obstacle surely blocks it, and facing where it surely passes all.
   Floats passed = one, blocked = one;
   for (size_t k = 0; k < fast_.obstacles.size(); ++k) {
     Floats error;

@@ -1,14 +1,14 @@
-// Independent lines that are uniform over all lines between two patches, for bounds that hold beforehand.
+// UniformLines draws independent lines, uniform over all lines between two patches. Guarantees are made of them.
 //
-// A line of density f / F0, f = cos cos / (pi r^2), is blocked or not: a coin whose chance is the visibility.
-// Candidates are drawn in the way that wastes fewest, and the rest are rejected, so that the density is f / F0 exactly:
+// Each line has density f / F0, f = cos cos / (pi r^2), so it is unblocked with a probability that is the visibility.
+// Candidates are drawn in the way that wastes fewest, and rejected so that the others have exactly this density:
 //   points      from a uniform point of one patch to a uniform point of the other, kept with probability f over a bound
 //               on f;
 //   directions  from a uniform point of the smaller patch along a direction of Lambert's cosine law, kept where it
-//               meets the other patch. For patches that are near, where f has no useful bound;
-//   contact     a uniform point of the smaller of two patches of one plane, kept where it lies on the other.
-// Each decision is made in single precision, again in double precision where rounding might have made it, and is left
-// open where even that does not tell. Proof and bounds: docs/method.md, section 14.
+//               meets the other patch. This way is for near patches, where f has no useful bound;
+//   contact     at a uniform point of the smaller of two patches of one plane, kept where it lies on the other.
+// A candidate is decided in double precision where rounding to single precision might change the decision. A line is
+// open where double precision cannot tell whether it is blocked. Proof: docs/method.md, section 14.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -21,8 +21,8 @@ namespace viewpeel {
 
 struct UniformLineCount {
   uint64_t lines = 0;   // between the two patches
-  uint64_t facing = 0;  // that surely nothing blocks
-  uint64_t open = 0;    // of which rounding does not tell
+  uint64_t facing = 0;  // lines that surely nothing blocks
+  uint64_t open = 0;    // lines of which rounding hides whether something blocks them
   uint64_t candidates = 0;
 
   UniformLineCount& operator+=(const UniformLineCount& other) {
@@ -31,37 +31,37 @@ struct UniformLineCount {
   }
 };
 
-// Returns a lower bound on the distance of two patches, mostly within some per cent of it; 0 where they touch.
+// Returns a lower bound on the distance of two patches, mostly a few per cent below it; 0 where they touch.
 double leastDistance(const Patch& a, const Patch& b);
 
 class UniformLines {
  public:
-  //   In: exchange: A F with nothing in between, unit-ball units squared, above 0; between: what may block; all are
-  //   copied
+  //   In: exchange: A F with nothing in between, in units of radius^2, above 0; between: what may block lines. All
+  //   arguments are copied
   UniformLines(const Patch& a, const Patch& b, double exchange, const std::vector<Blocker>& blockers,
                std::span<const PlacedBlocker> between);
 
-  // Returns the expected share of candidates that are lines of the pair, as its exchange area and the bound on f have
-  // it.
+  // Returns the expected share of candidates that become lines of the pair, by its exchange area and the bound on
+  // f.
   double efficiency() const { return efficiency_; }
 
   // Draws lines.
-  //   In: stream: different ones are independent; lines: wanted
-  //   Out: as many lines; where so many candidates fail that the exchange area cannot be true, those missing are open
+  //   In: stream: different streams are independent; lines: number of lines
+  //   Out: this number of lines; missing ones are open where so many candidates fail that the exchange area is wrong
   //   Cost: some 5 ns a candidate, and as much for every few blockers. Tests: tests/unit/uniform_lines_test.cpp.
   UniformLineCount draw(uint64_t stream, uint64_t lines, Vectors vectors) const;
 
  private:
   enum class Way : uint8_t { points, directions, contact };
-  // All that lines need, in one precision.
+  // A Geometry holds the patches and obstacles in one precision.
   template <class Number>
   struct Geometry {
     LineEnd<Number> first, second;
     std::vector<Obstacle<Number>> obstacles;
-    Number axes[3][3];     // of directions: two of the first patch's plane, and its normal
-    Number reach;          // longest line, or the length of axes
-    Number scale;          // of weights, which are then 1 at most
-    Number place_error;    // rounding of places, with that of the random numbers
+    Number axes[3][3];     // two axes of the first patch's plane and its normal, each `reach` long
+    Number reach;          // longest line of the pair
+    Number scale;          // factor of weights that makes the largest 1
+    Number place_error;    // rounding of places, that of random numbers included
     Number weight_error;   // rounding of weights
     Number least_cosine2;  // square of the cosine below which a direction is not accurate
   };
@@ -75,7 +75,7 @@ class UniformLines {
   UniformLineCount decide(const uint32_t* words) const;
 
   Way way_ = Way::contact;
-  double most_ = 0;  // of weights
+  double most_ = 0;  // largest weight
   double efficiency_ = 0;
   Geometry<float> fast_;
   Geometry<double> accurate_;

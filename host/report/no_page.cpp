@@ -1,4 +1,4 @@
-// Stands in for the page where it is not built.
+// This file takes the place of the page where the build has none (VIEWPEEL_BUILD_REPORT off): the text is empty.
 #include "report/page_text.h"
 
 namespace viewpeel {

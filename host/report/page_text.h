@@ -1,10 +1,10 @@
-// The page's own text, which the build makes of page/ (page/build.mjs), or which is empty.
+// kPageText is the page without a result. The build makes it from page/ (page/build.mjs); without a page it is empty.
 #pragma once
 #include <string_view>
 
 namespace viewpeel {
 
-// The page of HTML; kPageGap stands once in it, where the contents belong.
+// The HTML has kPageGap in one place, where the result belongs.
 extern const std::string_view kPageText;
 constexpr std::string_view kPageGap = "<!--contents-->";
 

@@ -1,4 +1,4 @@
-// A ReportContent is what a page of a result shows: the columns of a .h5, each row of the result at its place.
+// A ReportContent is what a page of a result shows: the data of a .h5, with a value for each row in every column.
 #pragma once
 #include <cstdint>
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace viewpeel {
 
-// A ReportColumn has a value for each row: the share of the environment, a temperature.
+// A ReportColumn has a value for each row, for example its environment or its temperature.
 struct ReportColumn {
   std::string name, unit;  // as in the .h5
   std::vector<double> values;
@@ -35,9 +35,9 @@ struct ReportContent {
   std::vector<double> lower, upper;  // of a guarantee; else empty
   ReportGeometry geometry;           // empty where the file has none
   std::vector<std::pair<std::string, std::string>> parameters;
-  // Each is a sentence about what the page does not show as the file has it.
+  // Each note is a sentence about something that the page does not show as the file has it.
   std::vector<std::string> notes;
-  bool is_bounded = false;  // standard errors are upper bounds, sums over the rows of a surface
+  bool is_bounded = false;  // whether standard errors are upper bounds: sums over the rows of a surface
 
   int64_t rowCount() const { return static_cast<int64_t>(names.size()); }
   int64_t entryCount() const { return static_cast<int64_t>(to.size()); }

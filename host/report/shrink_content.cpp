@@ -33,13 +33,13 @@ std::vector<double> meanOverAreas(const ReportContent& content, const std::vecto
   return means;
 }
 
-// The entries of one surface's row.
+// A SurfaceRow adds up the rows of one surface.
 class SurfaceRow {
  public:
   explicit SurfaceRow(size_t surface_count) : of_surface_(surface_count) {}
 
   // Adds the entries of a row of the surface.
-  //   In: share: of the surface's area that the row has
+  //   In: share: the row's part of the surface's area
   void add(const ReportContent& content, int64_t row, double share, const std::vector<int32_t>& surface_of_row) {
     for (int64_t k = content.starts[row]; k < content.starts[row + 1]; ++k) {
       const int32_t surface = surface_of_row[content.to[k]];
@@ -83,7 +83,7 @@ class SurfaceRow {
 double unlistedBound(const ReportContent& content) {
   for (const auto& [name, value] : content.parameters)
     if (name == "unlisted_bound") {
-      double bound = INFINITY;  // of a text that is no number nothing is sure
+      double bound = INFINITY;  // a text that is no number gives no bound
       std::from_chars(value.data(), value.data() + value.size(), bound);
       return bound;
     }
@@ -144,7 +144,7 @@ void leaveOutSmall(ReportContent& content, size_t width, size_t largest_bytes) {
   const size_t bytes = pageBytesOfEntries(content, width);
   if (bytes <= largest_bytes) return;
   const size_t entry_count = content.to.size();
-  // Columns farther apart take up to 5 bytes each: this bound holds however many are left out.
+  // Columns farther apart take up to 5 bytes each, so this bound holds for any choice of entries.
   const size_t kept = std::min(entry_count, largest_bytes / 4 * 3 / (width * (content.hasIntervals() ? 4 : 2) + 5));
   std::vector<double> sorted = content.form_factors;
   double cut = INFINITY;

@@ -8,9 +8,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kBitsOfAxis = 10;  // of a place on the Z curve
+constexpr uint32_t kBitsOfAxis = 10;  // bits of each coordinate on the Z curve
 
-// The bits of three numbers in turn.
+// Returns the bits of three numbers in turn: x, y, z, x, y, z, ...
 uint32_t interleave(const std::array<uint32_t, 3>& place) {
   uint32_t code = 0;
   for (uint32_t bit = 0; bit < kBitsOfAxis; ++bit)
@@ -19,7 +19,7 @@ uint32_t interleave(const std::array<uint32_t, 3>& place) {
 }
 
 struct Middles {
-  std::array<std::vector<double>, 3> of_axis;  // of each row
+  std::array<std::vector<double>, 3> of_axis;  // by axis and row
   std::vector<int32_t> corner_count;
 };
 

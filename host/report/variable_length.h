@@ -1,4 +1,4 @@
-// Whole numbers take one byte for each 7 bits, the lowest first; the highest bit of a byte says that another follows.
+// A whole number takes one byte for each 7 bits, the lowest first. A byte's highest bit says that another byte follows.
 #pragma once
 #include <cstddef>
 #include <cstdint>

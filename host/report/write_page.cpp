@@ -19,15 +19,15 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kPageBytes = 60'000'000;
-constexpr size_t kExactBytes = 20'000'000;     // of form factors as doubles
-constexpr size_t kGeometryBytes = 30'000'000;  // of polygons
-constexpr size_t kSpareBytes = 1'000'000;      // for tables and the survey
-constexpr int64_t kBlockEntries = 1 << 15;     // that the page decodes together
-constexpr size_t kListed = 2000;               // of the largest form factors
-constexpr size_t kWorst = 200;                 // of the largest errors
+constexpr size_t kExactBytes = 20'000'000;     // up to which form factors are doubles
+constexpr size_t kGeometryBytes = 30'000'000;  // most for polygons
+constexpr size_t kSpareBytes = 1'000'000;      // reserve for tables and the survey
+constexpr int64_t kBlockEntries = 1 << 15;     // entries that the page decodes together
+constexpr size_t kListed = 2000;               // number of form factors in the table of the largest
+constexpr size_t kWorst = 200;                 // number of errors in the table of the largest
 constexpr size_t kPictureSize = 256;
 
-// JSON has no infinities.
+// JSON has no infinity, so an infinite value is null.
 std::string asJson(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
 template <class To, class From>
@@ -45,7 +45,7 @@ std::vector<float> toFloats(const std::vector<double>& values, double direction)
   return floats;
 }
 
-// Returns the middle of the scene, from which the page's floats count.
+// Returns the middle of the scene. The page's corners are relative to it, in single precision.
 std::array<double, 3> middleOf(const ReportGeometry& geometry) {
   std::array<double, 3> middle{};
   size_t axis = 0;
@@ -59,7 +59,7 @@ std::array<double, 3> middleOf(const ReportGeometry& geometry) {
   return middle;
 }
 
-// Corners stand polygon by polygon.
+// Adds the corners, polygon after polygon, relative to the scene's middle.
 void addCorners(const ReportGeometry& geometry, PageBlocks& blocks) {
   const std::array<double, 3> middle = middleOf(geometry);
   size_t axis = 0;
@@ -77,7 +77,7 @@ void addCorners(const ReportGeometry& geometry, PageBlocks& blocks) {
   blocks.addTexts("surface_name", geometry.surface_names);
 }
 
-// Makes the content fit. Returns the bytes of a value.
+// Makes the content small enough. Returns the bytes of one value.
 size_t fit(ReportContent& content, size_t largest_bytes) {
   const auto widthOf = [&] {
     if (pageBytesOfEntries(content, 8) <= kExactBytes) return size_t{8};
@@ -96,7 +96,7 @@ size_t fit(ReportContent& content, size_t largest_bytes) {
   return width;
 }
 
-// Rows stand in blocks, which the page decodes one by one.
+// Adds the rows in blocks, which the page decodes one by one.
 void addRows(const ReportContent& content, size_t width, PageBlocks& blocks) {
   std::vector<int32_t> first_rows = {0};
   const auto addBlock = [&](int64_t first, int64_t end) {

@@ -1,8 +1,8 @@
 // Balanced exchange areas have one multiplier y_i for each row. The multipliers minimise phi of docs/method.md, eq.
 // (34), with x_ij(y) of its section 10. (For i = j, y_i stands in place of y_i + y_j.)
 //
-// Newton's method takes the Hessian of the present piece. The Hessian may be singular, as for two plates that see only
-// each other, and is therefore regularised by the present error. Conjugate gradients solve it to this error, and
+// Newton's method uses the Hessian of the piece of phi at the current point. It may be singular, as for two plates that
+// see only each other, so it is regularised by the current error. Conjugate gradients solve it to this error, and
 // Armijo's rule chooses the step. This is the dual Newton method of H. Qi & D. Sun, A quadratically convergent Newton
 // method for computing the nearest correlation matrix, SIAM J. Matrix Anal. Appl. 28(2), 2006, 360-385, for rows in
 // place of a diagonal.
@@ -153,9 +153,9 @@ class Dual {
     return scale.cwiseProduct(solver.solve(right_side));
   }
 
-  // Throws the Error that names rows which no x can balance. No x exists if and only if a set of rows is larger in area
-  // than all its partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. One of
-  // the sets of rows with the largest y is such a set.
+  // Throws the Error that names rows which no x can balance. No x exists if and only if some set of rows is larger in
+  // area than all its partners. Then y grows without bound along a direction d with d_i + d_j <= 0 for every pair. The
+  // rows with y above some threshold are then such a set.
   void refuseImpossible(const VectorXd& y) const {
     const uint32_t n = ids_.count();
     std::vector<uint32_t> rows(n), rank(n), joins(n, n);

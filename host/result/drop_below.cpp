@@ -20,7 +20,7 @@ DroppedBelow dropBelow(const FormFactors& form_factors, double least) {
   };
   for (size_t k = 0; k < entries.size(); ++k) {
     const FormFactors::Entry& entry = entries[k];
-    // The larger of the two form factors is from the smaller area, of those that are asked for.
+    // Of F_ij and F_ji the form factor from the smaller area is larger; only requested rows count.
     const double area = ids.smallerArea(entry.i, entry.j);
     if (entry.j >= kEnvironment || !(entry.exchange_area.value < least * area)) {
       kept.push_back(entry);

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kMostSurfaces = 3;
 constexpr double kLeastNamed = 0.01;  // surfaces with less than this share of the leak are not named
 
-// LeakAreas has the exchange areas of leak, by row and by surface, and the areas of surfaces.
+// LeakAreas holds the exchange areas that leak, by row and by surface, and the areas of surfaces.
 struct LeakAreas {
   std::vector<double> of_id, of_surface, area_of_surface;
   double total = 0, emitted = 0;
@@ -37,7 +37,7 @@ LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
 
 // Returns a weight for each of Scene::polygons: its share by area of the exchange area of its row's leak.
 std::vector<double> weightPolygons(const Scene& scene, const Ids& ids, const LeakAreas& leaks) {
-  const bool by_polygon = ids.count() == scene.faces.size();  // if every surface has one face both are the same
+  const bool by_polygon = ids.count() == scene.faces.size();  // or by surface, where every surface has one face
   std::vector<double> weights;
   for (const Polygon& polygon : scene.polygons) {
     const uint32_t id = by_polygon ? polygon.face : scene.faces[polygon.face].surface;

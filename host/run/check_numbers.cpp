@@ -1,4 +1,4 @@
-// Numbers of a request that the program's options refuse one by one: callers of the library have no options.
+// requireNumbers() refuses meaningless numbers in a request. Callers of the library have no options that check them.
 #include <cmath>
 
 #include <fmt/format.h>

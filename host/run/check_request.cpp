@@ -39,7 +39,7 @@ std::string optionAgainstPromise(const Request& request) {
   if (!has_lines) return "--engine";
   return request.promise.value_or(true)
              ? ""
-             : "--promise off, --replicates or --checkpoint";  // for which the program sets it
+             : "--promise off, --replicates or --checkpoint";  // for the last two the program sets promise to false
 }
 
 void checkRequest(const Request& request) {

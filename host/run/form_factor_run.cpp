@@ -1,4 +1,4 @@
-// Answers the public calls of a run (include/viewpeel/compute.h).
+// This file defines the public functions of a run (include/viewpeel/compute.h).
 
 #include <algorithm>
 #include <utility>
@@ -17,7 +17,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kTrialSeconds = 0.5;  // of measureSeconds
+constexpr double kTrialSeconds = 0.5;  // least time of a trial in measureSeconds
 
 }  // namespace
 
@@ -87,7 +87,7 @@ double FormFactorRun::measureSeconds() {
   double each = 0;
   uint32_t count = std::min(4u, all);
   for (uint32_t turn = 0; turn < 2; ++turn, count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, all)) {
-    if (turn == 0) state_->engine().count(directionsOf(count));  // kernels are compiled and tuned
+    if (turn == 0) state_->engine().count(directionsOf(count));  // compiles and tunes kernels before the clock starts
     const auto trial = Clock::now();
     state_->engine().count(directionsOf(count));
     each = std::max(secondsSince(trial), 1e-9) / count;

@@ -21,7 +21,7 @@ class ObservedEngine final : public Engine {
   std::string describePlan() const override { return engine_->describePlan(); }
 
  private:
-  // The observer hears the end of calls that throw, too.
+  // The observer is notified at the end even of a call that throws.
   struct Call {
     explicit Call(const std::function<void(bool)>& on_count) : on_count_(on_count) { on_count_(true); }
     ~Call() { on_count_(false); }

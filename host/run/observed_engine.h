@@ -1,4 +1,4 @@
-// An observed engine calls an observer when it counts.
+// An observed engine notifies an observer when it begins to count and when it ends.
 #pragma once
 #include <functional>
 #include <memory>
@@ -7,8 +7,8 @@
 
 namespace viewpeel {
 
-// Wraps an engine for its observer.
-//   In: on_count as in Observer; empty: the engine itself is returned
+// Returns an engine that notifies on_count around each call of count().
+//   In: on_count: as in Observer; where it is empty, the engine itself is returned
 std::unique_ptr<Engine> observed(std::unique_ptr<Engine> engine, std::function<void(bool begins)> on_count);
 
 }  // namespace viewpeel

@@ -1,4 +1,4 @@
-// Decides whether a tolerance is promised or estimated (Request::promise).
+// This file decides whether a tolerance is promised, as a guarantee, or estimated (Request::promise).
 
 #include <algorithm>
 
@@ -12,13 +12,13 @@
 namespace viewpeel {
 namespace {
 
-// Backs may take this part of the tolerance from a row of a promise: lines that graze edges within rounding. It counts
-// as a part of the environment then.
+// A promise allows backs this part of the tolerance in each row: lines that graze an edge may end on a back by
+// rounding. The environment's interval includes it.
 constexpr double kGrazedPart = 0.1;
 
 }  // namespace
 
-// Goes on without a promise, unless the request insists on it.
+// Continues without a promise; throws where the request insists on one.
 void FormFactorRun::State::refusePromise(const std::string& why) {
   if (setup.request().promise.value_or(false))
     throw Error(ErrorCode::bad_usage,
@@ -26,7 +26,7 @@ void FormFactorRun::State::refusePromise(const std::string& why) {
   no_promise = why;
 }
 
-// Plans a promise.    In: line_pairs: as found    Out: false where form factors are to be estimated
+// Plans a promise.    In: line_pairs: from findLinePairs()    Out: false where form factors are to be estimated
 bool FormFactorRun::State::planPromise() {
   const double tolerance = *setup.estimate().tolerance;
   promise_counts = countCommonDirections();
@@ -64,7 +64,7 @@ void FormFactorRun::State::takeBackPromise() {
   line_guarantee.reset(), promise_counts.reset(), common_sums.reset();
 }
 
-// Goes on with an estimate where lines have shown that the promise cannot be kept.
+// Continues with an estimate where the lines that were drawn show that the promise cannot be kept.
 void FormFactorRun::State::breakPromise(const std::string& why) {
   takeBackPromise();
   is_promise_broken = true;

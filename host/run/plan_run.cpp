@@ -1,4 +1,4 @@
-// Plans a run: engine, samples and directions, the pairs that get lines of their own, or what a guarantee takes.
+// This file plans a run: engine, sampling and directions, and the lines of pairs or the cost of a guarantee.
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +18,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kSecondsOfLine = 4e-8;  // on one thread, against some 10 blockers
-// A part of a row's lines up to this share may graze edges within rounding and end on backs where nothing leaks. In
-// cities of 1,000 to 6,600 triangles it was 4e-5 at most.
+constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is tested against some 10 blockers
+// Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
+// lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
@@ -33,7 +33,7 @@ void requireSamePairs(const std::vector<LinePair>& found, const std::vector<Line
 
 }  // namespace
 
-// Makes the plan that the request spells out.
+// Makes the plan of a request that fixes directions and resolution.
 Plan FormFactorRun::State::makeFixedPlan() const {
   Plan fixed;
   fixed.directions = setup.estimate().directions;
@@ -47,8 +47,8 @@ Plan FormFactorRun::State::makeFixedPlan() const {
   return fixed;
 }
 
-// Makes the plan. It goes without unoccluded form factors where counts would be too large for them and the request does
-// not insist on them.
+// Makes the plan. It does without unoccluded form factors where these would make counts too large, unless the request
+// asks for them.
 Plan FormFactorRun::State::makePlanOfRequest() {
   if (setup.isExact() || !setup.plans()) return makeFixedPlan();
   const auto planned = [&] { return planEstimate(setup.scene(), setup.ids(), setup.estimate(), setup.lattices()); };
@@ -80,8 +80,8 @@ double FormFactorRun::State::measureLeaks() {
   return largest;
 }
 
-// Returns how many common directions a replicate has beside lines. Where they count pairs, five of all of them that a
-// pair meets whole make up epsilon, by eq. (1), so that hardly a count is cut off there.
+// Returns the number of common directions in a replicate of pair lines. Where these directions count pairs, five that
+// meet a whole pair add up to epsilon, by eq. (1) of docs/method.md: so counts are hardly ever cut off at epsilon.
 uint32_t FormFactorRun::State::commonDirections() const {
   if (!(setup.leastFormFactor() > 0)) return kLineRunDirections;
   constexpr double kMet = 5, kMostDirections = 512;
@@ -90,8 +90,8 @@ uint32_t FormFactorRun::State::commonDirections() const {
       std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
 }
 
-// Finds the blockers of pairs, with an engine for a few common directions.    Out: false where coincident polygons have
-// no order
+// Makes pair_lines and an engine for a few common directions, and finds blockers.    Out: false where coincident
+// polygons have no order
 bool FormFactorRun::State::makePairLines() {
   plan.emplace();
   plan->directions = setup.faceIds().counts_environment ? commonDirections() : 0;
@@ -99,7 +99,7 @@ bool FormFactorRun::State::makePairLines() {
   plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
   leaked_share = plan->directions > 0 && !resumed ? measureLeaks() : 0;
-  // For an estimate a row has to lose a share that it would miss.
+  // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak =
       resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share && !(setup.leastFormFactor() > 0);
@@ -114,28 +114,29 @@ bool FormFactorRun::State::makePairLines() {
   return !pair_lines->hasUnordered();
 }
 
-// Finds the pairs.    Out: false where there are too many of them
+// Finds the pairs that get lines.    Out: false where there are too many of them
 bool FormFactorRun::State::findLinePairs() {
   line_pairs = pair_lines->find(setup.leastFormFactor());
   if (pair_lines->hasTooMany()) requireNoPairLines();
   return !pair_lines->hasTooMany();
 }
 
-// Plans few common directions, and lines for each pair: a promise of the tolerance where it may have one.
+// Plans a few common directions and the lines of each pair: a promise where possible, else an
+// estimate.
 void FormFactorRun::State::planPairLines() {
   if (!makePairLines()) return planWithoutPairLines("coincident polygons have no order");
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
   if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
 }
 
-// Gives pairs the lines of an estimate.    In: line_pairs: as found
+// Plans the lines of each pair for an estimate.    In: line_pairs: from findLinePairs()
 void FormFactorRun::State::planEstimateLines() {
   const EstimateOptions& options = setup.estimate();
   if (resumed) {
     requireSamePairs(line_pairs, resumed->sums.lines->pairs());
     line_pairs = resumed->sums.lines->pairs();
   } else {
-    // Half of the time is left for finding pairs, and for further lines of pairs that need them.
+    // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                  most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
     line_pairs = planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, most_lines);
@@ -146,7 +147,7 @@ void FormFactorRun::State::planEstimateLines() {
     plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }
 
-// Refuses a request that insists on pair lines where there are too many pairs.
+// Continues without pair lines where there are too many pairs; throws where the request insists on them.
 void FormFactorRun::State::requireNoPairLines() const {
   if (setup.request().pair_lines || resumed)
     throw Error(ErrorCode::limit, fmt::format("more than {} pairs of polygons see each other, too many for pair lines; "
@@ -182,7 +183,7 @@ void FormFactorRun::State::planGuarantee() {
     refuseGuarantee(*guarantee, *limit);
 }
 
-// Returns false where pair lines cannot do it.
+// Plans a guarantee by pair lines. Returns false where pair lines cannot be used.
 bool FormFactorRun::State::planLineGuarantee() {
   if (!makePairLines() || !findLinePairs()) return false;
   makeLineGuarantee();
@@ -212,7 +213,7 @@ void FormFactorRun::State::makePlan() {
   if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
 }
 
-// Says what is planned, and lets the observer watch the engine.
+// Describes the plan in `summary` and lets the observer watch the engine.
 void FormFactorRun::State::summariseRun() {
   std::unique_ptr<Engine>& engine = guarantee ? guarantee->engine : plan->engine;
   engine = observed(std::move(engine), observer.on_count);

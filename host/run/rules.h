@@ -1,4 +1,4 @@
-// These rules settle a request: which choices it may have, and which pay.
+// These rules settle a request: which choices are allowed, and which reduce the work.
 #pragma once
 #include <string>
 
@@ -6,29 +6,30 @@
 
 namespace viewpeel {
 
-constexpr uint32_t kUsualDirections = 400;            // of a replicate, where neither a plan nor the request says
-constexpr double kSurfaceUnoccludedTolerance = 2e-4;  // up to which unoccluded form factors pay between surfaces
-constexpr size_t kMostUnoccludedFaces = 20'000;       // beyond which blocked pairs take gigabytes
-constexpr size_t kMostPairLineFaces = 8'000;          // beyond which finding what blocks each pair takes minutes
-constexpr double kPairLineTolerance = 0.02;           // up to which pair lines pay
-constexpr double kPromiseDelta = 0.01;                // with which a promised tolerance may fail
+constexpr uint32_t kUsualDirections = 400;            // of a replicate, unless a plan or the request says
+constexpr double kSurfaceUnoccludedTolerance = 2e-4;  // most, between surfaces with unoccluded form factors
+constexpr size_t kMostUnoccludedFaces = 20'000;       // above this, counts of blocked pairs take gigabytes
+constexpr size_t kMostPairLineFaces = 8'000;          // above this, finding the blockers of all pairs takes minutes
+constexpr double kPairLineTolerance = 0.02;           // largest with pair lines by default
+constexpr double kPromiseDelta = 0.01;                // probability that a promised tolerance fails
 
-// Returns the amount of a FixedAmount where that is the goal, else the request's own. Directions of 0 are to be
-// planned.
+// Returns the amount of the goal where it is a FixedAmount, else the request's. With 0 directions the plan chooses the
+// number.
 Amount amountOf(const Request& request);
 
-// Refuses numbers that mean nothing: goals, limits and amounts.
+// Refuses goals, limits and amounts that are meaningless, such as a negative time.
 //   Throws: Error bad_usage, naming the program's option.
 void requireNumbers(const Request& request);
 
-// Unoccluded form factors need the whole matrix, blocked pairs counted, and of a guarantee means by polygon.
+// Returns whether unoccluded form factors are possible: for the whole matrix, not for medians nor a guarantee by
+// surface.
 bool mayUseUnoccluded(const Request& request);
 
-// Pair lines need a goal that says how many each pair gets, and an engine for the few common directions beside them.
+// Returns whether pair lines are possible: the goal must say how many lines a pair needs, and the engine must suit.
 bool mayUsePairLines(const Request& request);
 
-// Returns the option by which a request asks for an estimate, so that its tolerance is not promised; empty where none
-// does.
+// Returns the option by which a request asks for an estimate, so that its tolerance is no promise; empty where there is
+// none.
 std::string optionAgainstPromise(const Request& request);
 
 }  // namespace viewpeel

@@ -1,7 +1,7 @@
 #pragma once
 
-// Holds the state of a run (include/viewpeel/compute.h): plan_run.cpp fills the plan, step_run.cpp counts and looks.
-// Exactly one of the four ways of counting is begun: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
+// A State is a run (include/viewpeel/compute.h). plan_run.cpp makes the plan; step_run.cpp counts and makes the result.
+// It counts in exactly one of four ways: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
 
 #include <filesystem>
 #include <optional>
@@ -23,7 +23,7 @@
 
 namespace viewpeel {
 
-constexpr uint64_t kFewReplicates = 8;  // of common directions of a guarantee
+constexpr uint64_t kFewReplicates = 8;  // replicates of common directions that a guarantee by lines counts
 
 struct FormFactorRun::State {
   Observer observer;
@@ -32,7 +32,7 @@ struct FormFactorRun::State {
   PlanSummary summary;
   std::optional<Checkpoint> resumed;
   std::filesystem::path resumed_file;
-  std::optional<Clock::time_point> start;  // of the plan
+  std::optional<Clock::time_point> start;  // when planning began
   std::optional<Plan> plan;
   std::optional<GuaranteePlan> guarantee;
   PairSampler pairs;
@@ -42,14 +42,14 @@ struct FormFactorRun::State {
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
-  std::vector<LinePair> line_pairs;  // as planned
+  std::vector<LinePair> line_pairs;  // with their planned lines
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
-  std::optional<RunSums> common_sums;                     // of a guarantee by lines: environment and leak
-  std::optional<std::vector<PairCounts>> promise_counts;  // of these directions, where a promise was planned
-  double leaked_share = 0;         // of a row's lines along a few directions, in the row with most
-  std::string no_promise;          // why form factors are to be estimates
-  bool is_promise_broken = false;  // the plan promised, and the run could not keep it
+  std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
+  std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
+  double leaked_share = 0;         // largest share of a row's lines that leak, along a few directions
+  std::string no_promise;          // why the tolerance is not promised but estimated; else empty
+  bool is_promise_broken = false;  // whether a promise was planned and could not be kept
   bool is_interrupted = false, is_done = false;
 
   State(const Scene& scene, Request request, Observer watching)
@@ -73,12 +73,12 @@ struct FormFactorRun::State {
   }
   void onBatch(uint64_t directions) {
     stopIfRequested();
-    if (setup.guarantee()) return;  // it counts blocks
+    if (setup.guarantee()) return;  // a guarantee's progress is in blocks
     progress.directions = directions;
     reportProgress();
   }
 
-  // Runs the work; if the observer stops it, the run has come to its end.
+  // Runs the work. Where the observer stops it, the run ends.
   template <class Work>
   void doUnlessStopped(const Work& work) {
     if (is_interrupted) return;

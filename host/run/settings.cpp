@@ -39,7 +39,7 @@ SceneOptions sceneOptionsOf(const Settings& settings) {
   return options;
 }
 
-// An option that changes counts has its line here, or below.
+// Each option that changes counts has a line here, or in the other settingsOf().
 Settings settingsOf(const Setup& setup) {
   const Request& request = setup.request();
   const Question& question = request.question;
@@ -103,7 +103,7 @@ std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& se
   };
   for (const auto& [name, value] : settings) add(name, value);
   add("replicates", std::to_string(estimate.replicates));
-  // With pair lines a setting has this name: of a replicate.
+  // The settings have `directions` and `lines` of a replicate; these two are of the whole run.
   add("all_directions", std::to_string(estimate.directions));
   add("all_lines", std::to_string(estimate.lines));
   add("largest_standard_error", fmt::format("{}", estimate.largest_standard_error));

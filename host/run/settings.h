@@ -1,4 +1,4 @@
-// A checkpoint recognises its run by these settings.
+// Settings are the options that change counts, as text. By them a checkpoint recognises the run it belongs to.
 #pragma once
 #include <string>
 
@@ -8,19 +8,19 @@
 
 namespace viewpeel {
 
-// Returns the scene in words: "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
+// Returns the scene's size and fingerprint: "6 polygons, fingerprint 0123456789abcdef".    Cost: O(corners).
 std::string identityOf(const Scene& scene);
 
-// Adds to the settings how a scene was made, and reads it back.
+// Adds the options by which the scene was made to the settings. The second function reads them back.
 void addSettings(const SceneOptions& options, Settings& settings);
 SceneOptions sceneOptionsOf(const Settings& settings);
 
-// Returns the settings that decide about counts and are settled before the plan.    Throws: Error bad_usage for
-// medians.
+// Returns the settings that change counts and are known before the plan.    Throws: Error bad_usage for medians, which
+// checkpoints do not keep.
 Settings settingsOf(const Setup& setup);
-// Returns whether a plan may choose the setting of that name.
+// Returns whether a plan may choose the setting with this name.
 bool mayBePlanned(const std::string& name);
-// Returns all settings, with the plan's choices.
+// Returns all settings, those chosen by the plan included.
 Settings settingsOf(const Setup& setup, const PlanSummary& plan);
 
 }  // namespace viewpeel

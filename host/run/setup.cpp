@@ -18,9 +18,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kLeastOfEpsilon = 0.999;  // the rest is for what unoccluded form factors are off by
+constexpr double kLeastOfEpsilon = 0.999;  // least unoccluded form factor with lines, over epsilon
 
-// Returns goals, replicates and the like. Directions and sampler are settled later.
+// Returns goals, replicates, seed and time limit. Directions and sampler are settled later.
 EstimateOptions estimateOptionsOf(const Request& request) {
   EstimateOptions estimate;
   const Amount amount = amountOf(request);
@@ -48,7 +48,7 @@ bool hasGpu() {
   try {
     for (const DeviceDescription& found : listDevices())
       if (found.refusal.empty() && found.kind != "cpu") return true;
-  } catch (const Error&) {  // no driver
+  } catch (const Error&) {  // no Vulkan driver is installed
   }
   return false;
 }
@@ -62,7 +62,7 @@ bool isPlanar(const Scene& scene, const std::vector<uint32_t>& polygons) {
   });
 }
 
-// Surfaces that only block by the file take no other part.
+// Adds the surfaces that the scene's file calls blockers to the question's blockers.
 Request withBlockersOf(const Scene& scene, Request request) {
   std::vector<std::string>& blockers = request.question.blockers;
   for (const std::string& name : scene.blockers)
@@ -109,7 +109,8 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
 
 // Decides whether to use unoccluded form factors (docs/speed.md). Between surfaces they pay for small tolerances only:
 // counts of surfaces vary less than counts of their parts. Where lines hit many fronts, as with two-sided polygons,
-// blocked pairs cost more than they gain. In a guarantee each test of a lattice would wait for them.
+// counting blocked pairs costs more than it gains. In a guarantee all unoccluded form factors would come before any
+// test.
 void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&
@@ -125,27 +126,27 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Decides whether to use pair lines. Rough goals of many polygons are reached
-// sooner by directions that all pairs have in common (docs/speed.md), but no guarantee is.
+// Decides whether to use pair lines. In large scenes common directions reach rough tolerances sooner (docs/speed.md),
+// but no guarantee.
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
                        (guarantee() || request_.engine == EngineKind::automatic ||
                         request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
   const bool pays = (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0) &&
                     (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
-  const bool is_promise = request_.promise.value_or(false);  // on any terms
+  const bool is_promise = request_.promise.value_or(false);  // then pair lines are used whatever they cost
   pair_lines_ = request_.pair_lines.value_or(is_promise || (is_open && pays && mayUsePairLines(request_)));
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
 double Setup::leastFormFactor() const {
   const auto* goal = std::get_if<EpsilonDelta>(&estimated_goal_);
-  // Sums over surfaces, and rows, may be made of such pairs.
+  // Sums over surfaces, and rows, may consist of many pairs below the limit, so these need lines for all pairs.
   const bool needs_few = goal && request_.by == By::polygon && !goal->rows && !request_.pair_lines.value_or(false);
   return needs_few && scene_.faces.size() > kMostPairLineFaces ? kLeastOfEpsilon * goal->epsilon : 0;
 }
 
-// The processor's threads draw lines sooner than a software device does, which draws them only where it is asked for.
+// A software device draws lines only on request: the processor's threads are faster.
 const Device* Setup::lineDevice() const {
   const bool is_requested = request_.engine == EngineKind::compute;
   return engine_ == EngineKind::compute && (is_requested || device_->description().kind != "cpu") ? device() : nullptr;
@@ -162,8 +163,8 @@ void Setup::leaveOutPairLines() {
   if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
 }
 
-// Chooses compute shaders on a GPU, else the processor's threads, which are many times faster than shaders through a
-// software driver (docs/speed.md). The counts are the same.
+// Chooses compute shaders on a GPU, else the processor's threads. Shaders through a software driver would be many times
+// slower (docs/speed.md). The counts are the same.
 void Setup::chooseEngine() {
   engine_ = request_.engine;
   if (engine_ == EngineKind::automatic) {
@@ -196,7 +197,7 @@ void Setup::requireWhatEnginesHave() const {
                             kMaxScanlineResolution));
 }
 
-// A question takes fewer directions than all pairs do, unless the request has a sampler of the whole sphere.
+// Chooses directions for a question: fewer are needed than for all pairs, unless the request names a sampler.
 void Setup::settleDirections() {
   const Question& question = request_.question;
   if (request_.sampler) return;

@@ -14,7 +14,7 @@ namespace viewpeel {
 class Setup {
  public:
   // Settles the request and opens the device.
-  //   In: scene: referred to; on_batch: of engines, stop: called between other work, may throw
+  //   In: scene: kept by reference; on_batch: called by engines; stop: called between other work; both may throw
   //   Throws: Error bad_usage for a request that does not suit this scene; Error device.
   Setup(const Scene& scene, Request request, std::function<void(uint64_t directions)> on_batch,
         std::function<void()> stop);
@@ -25,16 +25,16 @@ class Setup {
   const Request& request() const { return request_; }
   const Ids& ids() const { return ids_; }
   const Ids& faceIds() const { return face_ids_; }
-  // Returns the ids that engines count by.
+  // Returns the ids that engines count: faces where unoccluded form factors or pair lines are used, else rows.
   const Ids& countedIds() const { return unoccluded_ || pair_lines_ ? face_ids_ : ids_; }
   EngineKind engine() const { return engine_; }
   bool isExact() const { return engine_ == EngineKind::exact; }
   Sampling sampling() const { return lattice_.sampling; }
-  // Returns the sampler in words.
+  // Returns a description of the sampler.
   const std::string& sampler() const { return sampler_; }
   std::string deviceName() const;
   const Device* device() const { return device_ ? &*device_ : nullptr; }
-  // Returns the device that draws pair lines; nullptr where the processor's threads do, to the same bits.
+  // Returns the device that draws pair lines; nullptr where threads draw them, with the same bits.
   const Device* lineDevice() const;
   const std::function<void()>& stop() const { return stop_; }
 
@@ -42,32 +42,32 @@ class Setup {
   // Returns goals, replicates and sampler, and the number of directions where no plan chooses it.
   const EstimateOptions& estimate() const { return estimate_; }
   GuaranteeOptions guaranteeOptions() const;
-  // Returns whether directions, and where 0 the resolution, are to be planned.
+  // Returns whether the plan chooses directions, and also the resolution where resolution() is 0.
   bool plans() const { return plans_; }
   int finest() const { return finest_; }
-  // Returns the resolution; 0: to be planned.
+  // Returns the resolution; 0 where the plan chooses it.
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
-  // Returns the unoccluded form factor below which pairs of a guarantee get no lines. There are too many such pairs in
-  // large scenes, and a guarantee needs none of them; 0: all pairs get lines.
+  // Returns the unoccluded form factor below which pairs get no lines in a guarantee: large scenes have too many such
+  // pairs, and a guarantee does not need their lines. 0: all pairs get lines.
   double leastFormFactor() const;
-  // Takes the tolerance for a promise.    In: rows: whether it is for the environment of each row, too
+  // Makes the tolerance a promise, that is, a guarantee.    In: rows: whether it also covers each row's environment
   void promise(bool rows);
-  // Returns whether the request's own goal was a tolerance that is promised now.
+  // Returns whether the request's goal is a tolerance, and is promised.
   bool hasPromise() const { return guarantee() && std::holds_alternative<Tolerance>(estimated_goal_); }
-  // Takes the tolerance for an estimate's again.
+  // Makes the tolerance the goal of an estimate again.
   void takeBackPromise();
-  // Goes without pair lines, where coincident polygons have no order or there are too many pairs.
+  // Continues without pair lines: coincident polygons have no order, or there are too many pairs.
   void leaveOutPairLines();
-  // Returns whether the request did not ask for unoccluded form factors, so that the run may go without.
+  // Returns whether the request left open whether to use unoccluded form factors, so that the run may do without.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }
-  // Keeps the plan of an earlier run, as its settings have it.
+  // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
   Lattices lattices() const;
-  // Counts pairs with directions of their own.
+  // Returns the sampler of directed pairs, which have directions of their own.
   PairSampler pairSampler() const;
 
  private:
@@ -79,7 +79,7 @@ class Setup {
 
   const Scene& scene_;
   Request request_;
-  Goal estimated_goal_;  // of the request as it was
+  Goal estimated_goal_;  // the request's goal, whether promised or not
   std::function<void()> stop_;
   Ids ids_, face_ids_;
   EngineKind engine_ = EngineKind::host;

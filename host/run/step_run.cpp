@@ -1,4 +1,5 @@
-// Counts: finds the prior, begins the one way of counting that the plan chose, takes its steps, and reads its result.
+// This file runs the plan: it finds the prior, begins the planned way of counting, takes its steps and reads its
+// result.
 
 #include <algorithm>
 #include <cmath>
@@ -34,8 +35,8 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   return options;
 }
 
-// Common directions tell which rows see the environment, and where lines leak.    Out: counts of pairs
-// only where some get no lines
+// Counts along common directions, for environment and leak.    Out: by replicate; counts of pairs are kept only where
+// some pairs get no lines
 std::vector<PairCounts> FormFactorRun::State::countCommonDirections() const {
   std::vector<PairCounts> all;
   for (uint64_t replicate = 0; plan->directions && replicate < kFewReplicates; ++replicate) {
@@ -56,7 +57,7 @@ void FormFactorRun::State::beginLineGuarantee() {
     common_sums->add(replicate, counts[replicate], plan->directions);
 }
 
-// Returns the area of one count of a common direction, input units squared over directions.
+// Returns the area that one count of a common direction stands for, input units squared over directions.
 double FormFactorRun::State::commonCountArea() const {
   return plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
 }

@@ -21,7 +21,7 @@ std::vector<LatticeSummary> summariseGroups(const std::vector<SizeGroup>& groups
   return lattices;
 }
 
-// Returns the goal as a standard error, of its form factor where it is relative; infinite where there is none.
+// Returns the goal as a standard error, or as a relative one for a relative goal; infinite where there is none.
 double goalOf(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
   const auto* relative = std::get_if<Relative>(&request.goal);
