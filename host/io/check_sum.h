@@ -1,5 +1,5 @@
-// A file of HDF5 that viewpeel writes ends in a check sum of all bytes before it. HDF5 is not made to survive damaged
-// files, so that a reader looks at the check sum first.
+// A CheckSum stands at the end of each HDF5 file that viewpeel writes, for all bytes before it. HDF5 may crash on
+// damaged files, so readers verify the check sum first.
 #pragma once
 #include <array>
 #include <cstddef>

@@ -1,4 +1,4 @@
-// A checkpoint is a file with all counts of a run, so that another run can go on from there.
+// A checkpoint is a file with all counts of a run, from which another run can continue.
 #pragma once
 #include <filesystem>
 #include <optional>
@@ -12,12 +12,12 @@
 
 namespace viewpeel {
 
-// Returns the value of a setting, where it is there.
+// Returns the value of a setting, or nothing where there is no setting of this name.
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name);
 
 struct Checkpoint {
   Settings settings;
-  // Ids have names, areas, surfaces, requested rows and the flags of sums; of_polygon and roles are empty.
+  // Its ids have names, areas, surfaces, requested rows and the flags of sums; of_polygon and roles are empty.
   RunSums sums;
 };
 
@@ -30,18 +30,19 @@ struct Checkpoint {
 //     for each pair of the prior and 64 for each control; twice that number of bytes in memory.
 void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
 
-//   Throws: Error bad_input where the file is none, of another format, cut off or damaged (all it holds is under a
-//   check sum).
+//   Reads a checkpoint.    Throws: Error bad_input where the file is no checkpoint, of another format, cut off or
+//   damaged (a check sum covers all it holds).
 Checkpoint readCheckpoint(const std::filesystem::path& file);
 
-//   Throws: Error bad_usage naming the first setting that differs, and `file` as where `found` is from.
+//   Compares the settings of two runs.    Throws: Error bad_usage naming the first that differs, and `file`, which has
+//   `found`.
 void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file);
 
-// Adds up checkpoints of one run: the bits of one run over all their replicates, in any order of files. A file whose
-// replicates are all in the sum of the files before it adds nothing, and one that has all of theirs takes their place.
+// Adds up checkpoints of one run, in any order of files, to the bits of one run over all their replicates. A file whose
+// replicates are all in the sum so far adds nothing. A file that has all replicates of the sum replaces it.
 //   In: files: one or more
 //   Throws: as readCheckpoint; Error bad_usage where settings differ, or two files share some of their replicates.
-//   Cost: O(nonzeros) for each file; memory for the sum and one of them.
+//   Cost: O(nonzeros) for each file; memory for the sum and for one file.
 Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files);
 
 // Returns the ranges in words: "0 to 7, 16 to 23".

@@ -6,7 +6,7 @@
 
 namespace viewpeel {
 
-// Returns a name in quotes where it needs them.
+// Returns a name as a field of CSV, in quotes where it has commas, quotes or line breaks.
 std::string quoteName(const std::string& name);
 
 // Splits a line without line breaks into its fields. Blanks around a field without quotes are left out.

@@ -1,4 +1,4 @@
-// Calls a function for each nonzero form factor, row by row, for writers of files.
+// forEachEntry() calls a function for each nonzero form factor, row by row, as writers of files need them.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -1,4 +1,4 @@
-// Entries of pairs that no line met are guesses, and files mark them.
+// The value of a pair that no line met is a guess from neighbouring pairs; files mark these entries.
 #pragma once
 #include <algorithm>
 #include <utility>

@@ -17,9 +17,9 @@ namespace viewpeel {
 namespace {
 
 static_assert(std::is_same_v<hid_t, int64_t> && std::is_same_v<H5E_auto2_t, int (*)(int64_t, void*)>);
-constexpr size_t kGrowthBytes = 1 << 20;  // by this much a file in memory grows
+constexpr size_t kGrowthBytes = 1 << 20;  // bytes by which a file in memory grows
 
-// A Handle is an HDF5 identifier that closes itself; below 0 where HDF5 failed.
+// A Handle is an HDF5 identifier that closes itself. It is below 0 where HDF5 failed.
 class Handle {
  public:
   Handle(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}
@@ -35,7 +35,7 @@ class Handle {
   herr_t (*close_)(hid_t);
 };
 
-// A Type has a form in memory and one in files, little-endian everywhere.
+// A Type is an HDF5 type in memory and in files, where it is little-endian on all machines.
 struct Type {
   hid_t native, stored;
 };
@@ -69,7 +69,7 @@ hid_t createFile() {
               fmt::format("HDF5 cannot make {}, for want of memory it seems; try --by surface", what));
 }
 
-// Makes the groups on the way to a column, without times. Groups that HDF5 makes itself would have them.
+// Makes the groups in a column's name, without times of creation, which HDF5 would add by itself.
 void makeGroups(hid_t file, const std::string& name) {
   const Handle creation(H5Pcreate(H5P_GROUP_CREATE), H5Pclose);
   H5Pset_obj_track_times(creation, false);
@@ -89,7 +89,7 @@ bool writeColumn(hid_t file, const std::string& name, hid_t native, hid_t stored
   return column.isValid() && H5Dwrite(column, native, H5S_ALL, H5S_ALL, H5P_DEFAULT, values) >= 0;
 }
 
-// Makes the type of texts of any length, UTF-8.
+// Makes the type of UTF-8 texts of any length.
 Handle anyLengthType() {
   const hid_t id = H5Tcopy(H5T_C_S1);
   H5Tset_size(id, H5T_VARIABLE);
@@ -97,7 +97,7 @@ Handle anyLengthType() {
   return {id, H5Tclose};
 }
 
-// Returns a scalar attribute; nothing where it is of another kind.
+// Returns a scalar text or number as text; nothing where the attribute is something else.
 std::optional<std::string> attributeInWords(hid_t object, const char* name) {
   const Handle attribute(H5Aopen(object, name, H5P_DEFAULT), H5Aclose);
   const Handle stored(H5Aget_type(attribute), H5Tclose), space(H5Aget_space(attribute), H5Sclose);
@@ -119,7 +119,7 @@ std::optional<std::string> attributeInWords(hid_t object, const char* name) {
   return std::nullopt;
 }
 
-//   In: space: of the attribute's values
+//   Writes an attribute.    In: space: shape of its values
 bool writeAttribute(hid_t file, const std::string& object, const std::string& name, hid_t stored, hid_t native,
                     hid_t space, const void* values) {
   const Handle opened(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);
@@ -127,7 +127,7 @@ bool writeAttribute(hid_t file, const std::string& object, const std::string& na
   return attribute.isValid() && H5Awrite(attribute, native, values) >= 0;
 }
 
-// A scale refers to the columns that use it, each with the number of its dimension.
+// A Reference is a column that uses a dimension scale, with the number of the column's dimension.
 struct Reference {
   hobj_ref_t column;
   int32_t dimension;
@@ -258,7 +258,7 @@ Hdf5Input::Hdf5Input(const std::filesystem::path& file, const char* kind, const 
   size_bytes_ = std::filesystem::file_size(file);
   if (!endsInCheckSum(stream, size_bytes_)) refuse("it is another file, cut off or damaged");
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  H5Pset_file_locking(access, false, true);  // not every file system can
+  H5Pset_file_locking(access, false, true);  // some file systems cannot lock files
   id_ = H5Fopen(file.c_str(), H5F_ACC_RDONLY, access);
   if (id_ < 0) refuse("it is not HDF5");
 }
@@ -267,8 +267,8 @@ Hdf5Input::Hdf5Input(const std::vector<char>& bytes, const std::string& name, co
     : file_(name), kind_(kind), remedy_(remedy), size_bytes_(bytes.size()) {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   H5Pset_fapl_core(access, kGrowthBytes, false);
-  std::vector<char> image = bytes;  // HDF5 takes no constant bytes, and copies them
-  // HDF5 refuses an image whose name is that of a file on disk, and beneath a device there can be none.
+  std::vector<char> image = bytes;  // a copy, for HDF5 takes no constant bytes
+  // HDF5 refuses an image with the name of a file on disk; no file can have this name, for /dev/null is no folder.
   if (H5Pset_file_image(access, image.data(), image.size()) >= 0)
     id_ = H5Fopen("/dev/null/image", H5F_ACC_RDONLY, access);
   if (id_ < 0) refuse("HDF5 cannot read it, for want of memory it seems");

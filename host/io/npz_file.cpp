@@ -11,11 +11,11 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "arrays are little-endian and copied as they are");
 
-constexpr uint32_t kAllOnes = 0xFFFFFFFFu;  // a size or place that stands in the extra field
+constexpr uint32_t kAllOnes = 0xFFFFFFFFu;  // marks a size or offset that the extra field holds in 64 bits
 constexpr uint16_t kZip64Version = 45, kExtraZip64 = 1;
-constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip knows; files have no time
+constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip can express, for files without a time
 
-// Collects bytes of a record, little-endian.
+// A Record collects the bytes of a record of a zip, little-endian.
 class Record {
  public:
   template <class T>
@@ -33,7 +33,7 @@ class Record {
   std::string bytes_;
 };
 
-// Returns the head of a .npy file: magic, version, length, and a dictionary filled up to 64 bytes.
+// Returns the header of a .npy file: magic, version, length, and a dictionary padded to a multiple of 64 bytes.
 std::string npyHead(const std::string& type, const std::string& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
   text.append((64 - (10 + text.size() + 1) % 64) % 64, ' ');

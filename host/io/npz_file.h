@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Writes arrays one after the other. The same arrays make the same bytes.
+// An NpzOutput writes arrays one after the other. The same arrays make the same bytes.
 class NpzOutput {
  public:
   // In: out: at the beginning of the file
@@ -18,9 +18,9 @@ class NpzOutput {
   // Adds NAME.npy, an array of one dimension.    In: values: int32_t, int64_t or double
   template <class T>
   void write(const std::string& name, std::span<const T> values);
-  // Adds NAME.npy, one text as an array without dimensions, of bytes.
+  // Adds NAME.npy: one text, as an array of bytes without dimensions.
   void writeText(const std::string& name, const std::string& text);
-  // Writes the directory. Call it last.
+  // Writes the directory of the zip. Call it last.
   void finish();
 
  private:

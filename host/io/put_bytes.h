@@ -1,4 +1,4 @@
-// Records of other programs are copied as they are, little-endian.
+// putBytes() writes numbers as other programs store them in memory: their bytes, little-endian.
 #pragma once
 #include <bit>
 #include <ostream>

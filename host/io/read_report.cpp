@@ -10,7 +10,7 @@ namespace {
 struct NamedColumn {
   const char *name, *unit;
 };
-// Rows have these columns, where the file has them.
+// These columns are read where the file has them; each has its unit.
 constexpr NamedColumn kColumns[] = {{"environment", "1"},
                                     {"environment_standard_error", "1"},
                                     {"environment_lower", "1"},

@@ -1,4 +1,4 @@
-// A .h5 is read back for its page.
+// readReport() reads a .h5 of results for the page that shows it.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -10,9 +10,9 @@ namespace viewpeel {
 
 // Reads a .h5 of writeFormFactors, with or without a geometry.
 //   Out: numbers to the last bit; balanced form factors are left out
-//   Throws: Error bad_input, naming the file: not a .h5 of viewpeel, cut off, damaged, or with columns that do
-//     not fit each other.
-//   Cost: the file in memory.
+//   Throws: Error bad_input, naming the file: it is no .h5 of viewpeel, cut off, damaged, or its columns do not match
+//   each other.
+//   Cost: the whole file is in memory.
 ReportContent readReport(const std::filesystem::path& file);
 // Reads the same from memory.    In: name: for messages
 ReportContent readReport(const std::vector<char>& bytes, const std::string& name);

@@ -1,4 +1,4 @@
-// A result in HDF5 becomes form factors again: write_hdf5.cpp says where everything is.
+// readResult() makes form factors of a .h5 of results; write_hdf5.cpp describes its columns.
 #include <viewpeel/read.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns the id of each row of the file; rows that are empty have none.
+// Returns the id of each row of the file; empty rows have kNone.
 constexpr uint32_t kNone = UINT32_MAX;
 std::vector<uint32_t> idsOfRows(const Ids& ids) {
   std::vector<uint32_t> id_of_row(ids.rowCount(), kNone);
@@ -36,7 +36,7 @@ Ids readIds(Hdf5Input& in, const StoredRows& rows) {
   return ids;
 }
 
-// Surfaces are those of the geometry, or where there is none those that the names of rows tell.
+// Returns the names of surfaces: those of the geometry, or without a geometry those in the names of rows.
 std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
   ids.surface.assign(ids.count(), 0);
   if (in.has("geometry")) {
@@ -60,7 +60,7 @@ std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
   return names;
 }
 
-// A column of form factors, with those to environment and leak behind: [row] of each.
+// A Column holds one quantity for all entries: of pairs, and by row of environment and leak.
 struct Column {
   std::vector<double> pairs, environment, leak;
 };
@@ -70,13 +70,13 @@ Column readColumn(Hdf5Input& in, const std::string& group, const std::string& su
           readNumbers(in, "leak" + suffix, rows.count())};
 }
 
-// PlacedEntries have the places of entries in a Column: k in `pairs`, or a row.
+// A PlacedEntry says where a Column holds an entry: at pairs[place], environment[place] or leak[place].
 struct PlacedEntry {
-  uint32_t i, j, id_of_value;  // the row whose value it is
+  uint32_t i, j, id_of_value;  // id_of_value: the row whose form factor is stored there
   size_t place;
 };
 
-// An exchange area stands twice in the file where both rows were requested; it is taken once.
+// Finds the place of each entry. The file has an exchange area twice where both rows were requested; one is taken.
 std::vector<PlacedEntry> placeEntries(Hdf5Input& in, const Ids& ids, const StoredRows& rows) {
   const std::vector<uint32_t> id_of_row = idsOfRows(ids);
   std::vector<PlacedEntry> entries;
@@ -118,7 +118,7 @@ double unlistedBound(Hdf5Input& in, const StoredRows& rows) {
   return bound;
 }
 
-// Returns whether write_hdf5.cpp adds this attribute to every file by itself: it is no parameter of a run.
+// Returns whether write_hdf5.cpp adds this attribute to every file: then it is no parameter of the run.
 bool describesTheFile(const std::string& name) {
   return name == "viewpeel_result_format" || name == "row_order" || name == "unlisted_bound" ||
          name.starts_with("closure_");

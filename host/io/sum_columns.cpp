@@ -20,8 +20,8 @@ using Wide = ReplicateSums::Wide;
 
 constexpr ControlVariateSums::SignedWide kMostControl =
     ControlVariateSums::SignedWide(1)
-    << 126;  // 2^64 replicates of 2^62 (takeControlVariates); two such sums can be added
-constexpr uint64_t kMostLines = uint64_t(1) << 63;  // of facing ones, or blocked ones: two such sums can be added
+    << 126;  // the sum of 2^64 replicates of up to 2^62 (takeControlVariates); two such sums add without overflow
+constexpr uint64_t kMostLines = uint64_t(1) << 63;  // most facing, or blocked: two such sums add without overflow
 
 uint64_t highOf(Wide number) { return static_cast<uint64_t>(number >> 64); }
 uint64_t lowOf(Wide number) { return static_cast<uint64_t>(number); }
@@ -47,7 +47,7 @@ void readSums(Hdf5Input& in, const std::string& group, Rows& rows, SumOf sum_of)
                        [&](auto& row, uint64_t word) { sum_of(row).sum_of_squares |= word; });
 }
 
-// Writes 128-bit numbers as two columns.
+// Writes 128-bit numbers as two columns of 64 bits.
 template <class Pairs, class Value>
 void writeWide(Hdf5Output& out, const std::string& name, const Pairs& pairs, Value value) {
   writeColumn<uint64_t>(out, name + "_high", pairs, [&](const auto& pair) { return highOf(Wide(value(pair))); });
@@ -112,7 +112,7 @@ VisibilitySums readVisibilitySums(Hdf5Input& in, const std::string& group, const
   return {ids, replicate_count, std::move(pairs), squares};
 }
 
-// Empty rows are written only where there are any.
+// Reads empty rows. A file without empty rows lacks these columns.
 std::vector<EmptyRow> readEmptyRows(Hdf5Input& in, const std::string& group, uint32_t id_count) {
   std::vector<EmptyRow> empty_rows;
   if (!in.has(group + "/empty_rows")) return empty_rows;
@@ -319,7 +319,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
-  requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs, too
+  requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs included
   const bool are_sound = std::ranges::all_of(pairs, [&](const LinePair& pair) {
     return pair.i < face_ids.count() && pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 &&
            pair.exchange >= pair.clear && pair.clear >= 0 && std::isfinite(pair.exchange) &&

@@ -1,4 +1,4 @@
-// A checkpoint keeps the sums of a run as columns, one group a kind.
+// A checkpoint stores the sums of a run as columns, in a group for each kind of sum.
 #pragma once
 #include <optional>
 #include <string>
@@ -17,7 +17,7 @@ void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Val
   out.write(name, column);
 }
 
-// Sets the values of as many rows as `rows` has.
+// Reads a column with a value for each row and calls set(row, value).
 template <class T, class Rows, class Set>
 void readColumn(Hdf5Input& in, const std::string& name, Rows& rows, Set set) {
   const std::vector<T> column = in.read<T>(name, rows.size());
@@ -29,14 +29,15 @@ T readOne(Hdf5Input& in, const std::string& name) {
   return in.read<T>(name, 1).front();
 }
 
-// Writes the sums of the group's ids.
+// Writes sums, and the ids that they are of, into a group.
 void writeReplicateSums(Hdf5Output& out, const std::string& group, const ReplicateSums& sums);
-// Writes the prior and its sums, where a run has them.
+// Writes the prior and its sums, if the run has them.
 void writePriorSums(Hdf5Output& out, const RunSums& sums);
-// Writes pair lines and their sums, where a run has them.
+// Writes pair lines and their sums, if the run has them.
 void writeLineSums(Hdf5Output& out, const RunSums& sums);
 
-//   Throws: Error bad_input where columns are missing, of other lengths, or cannot be sums of a run.
+//   Read the sums back.    Throws: Error bad_input where columns are missing, of other lengths, or cannot be a run's
+//   sums.
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group);
 std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids);
 std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids);

@@ -1,4 +1,4 @@
-// Writes the nonzero form factors as comma-separated values, a line each.
+// writeCsv() writes each nonzero form factor as a line of comma-separated values.
 #include <fmt/ostream.h>
 
 #include "io/csv.h"

@@ -1,4 +1,4 @@
-// Elmer's ViewFactors.dat: text for list-directed READ, or a stream of bytes.
+// writeElmer() writes Elmer's ViewFactors.dat: text for Fortran's list-directed READ, or a stream of bytes.
 //   Source: Elmer 9, RadiationFactors.F90, ReadViewFactorsFromFile.
 #include <fmt/ostream.h>
 

@@ -1,5 +1,5 @@
-// EnergyPlus's ZoneProperty:UserViewFactors:BySurfaceName, one for each zone, as IDF or epJSON. Versions before 9.6
-// have another name for the zone in epJSON.
+// writeEnergyPlus() writes a ZoneProperty:UserViewFactors:BySurfaceName for each zone, as IDF or epJSON. Versions of
+// EnergyPlus before 9.6 have another epJSON key for the zone.
 //   Source: EnergyPlus Input Output Reference; HeatBalanceIntRadExchange.cc.
 #include <set>
 
@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Rows of each zone, by zone. A zone has all its surfaces, or none where it was not chosen.
+// Returns the rows of each zone: all surfaces of the zone, or none where the run left the zone out.
 std::vector<std::vector<uint32_t>> rowsOfZones(const EnergyPlusBuilding& building,
                                                const std::vector<std::string>& names) {
   std::vector<std::vector<uint32_t>> rows(building.zones.size());
@@ -35,7 +35,7 @@ std::vector<std::vector<uint32_t>> rowsOfZones(const EnergyPlusBuilding& buildin
   return rows;
 }
 
-// A dense row.
+// Returns a row of the matrix with its zeros.
 std::vector<double> rowOf(const SparseRows& sparse, uint32_t row) {
   std::vector<double> values(static_cast<size_t>(sparse.rowCount()), 0.0);
   for (int64_t k = sparse.starts[row]; k < sparse.starts[row + 1]; ++k)

@@ -18,15 +18,15 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kBlockBytes = 4096;  // of a file system
+constexpr size_t kBlockBytes = 4096;  // size of a block of a file system
 constexpr mode_t kModeOfNewFiles = 0666, kModeOfOwner = 0600;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason, ErrorCode code = ErrorCode::output) {
   throw Error(code, fmt::format("{}: cannot write: {}; choose another place", file.string(), reason));
 }
 
-// Waits until the disk has the bytes of the file, or the names in the folder. Returns errno. File systems that cannot
-// wait say EINVAL, folders that may be written but not read EACCES: then no more can be done.
+// Waits until the disk has a file's bytes, or a folder's names. Returns errno. EINVAL means that the file system cannot
+// wait, EACCES that a folder may be written and not read: both count as success.
 int waitForDisk(const fs::path& file) {
   const int opened = ::open(file.c_str(), O_RDONLY | O_CLOEXEC);
   const int number = opened >= 0 && ::fsync(opened) == 0 ? 0 : errno;
@@ -34,7 +34,7 @@ int waitForDisk(const fs::path& file) {
   return number == EINVAL || number == EACCES ? 0 : number;
 }
 
-// Returns the file that a symbolic link names in the end, there or not; the file itself where it is no link.
+// Returns the file at the end of a chain of symbolic links, whether it exists or not; `file` where it is no link.
 fs::path followLink(const fs::path& file) {
   constexpr int kMostLinks = 40;  // as many as Linux follows
   fs::path place = file;
@@ -42,32 +42,32 @@ fs::path followLink(const fs::path& file) {
   for (int k = 0; k < kMostLinks && fs::is_symlink(place, failure); ++k) {
     const fs::path target = fs::read_symlink(place, failure);
     if (failure) break;
-    place = place.parent_path() / target;  // which is `target` where that is absolute
+    place = place.parent_path() / target;  // this is `target` itself where that path is absolute
   }
   return place;
 }
 
-// Returns 16 hexadecimal digits that nobody can guess.
+// Returns 16 hexadecimal digits that nobody can predict.
 std::string drawDigits() {
-  std::random_device random;  // the system's
+  std::random_device random;  // a source of the operating system
   return fmt::format("{:08x}{:08x}", random(), random());
 }
 
-// A TemporaryFile is a new file beside another one, under a name that nobody can guess. It is removed unless it takes
-// the other file's name. O_EXCL refuses a link that somebody else put there.
+// A TemporaryFile is a new file beside another, with a name that nobody can predict. It is removed unless it is renamed
+// to the other's name. O_EXCL refuses a link that somebody else put in its place.
 class TemporaryFile {
  public:
-  // Throws: Error of this code, which names the other file.
+  // Throws: Error of this code, naming the other file.
   TemporaryFile(const fs::path& beside, ErrorCode code)
       : name_(fmt::format("{}.{}.part", beside.string(), drawDigits())) {
     struct stat old {};
     const bool replaces = ::stat(beside.c_str(), &old) == 0;
-    // The new file has the mode that the process gives new files. Where it replaces a file, nobody else may open it
-    // before it has that file's mode.
+    // A new file gets the mode that the process gives new files. A file that replaces another is closed to all others
+    // until it has the other's mode.
     const int opened =
         ::open(name_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, replaces ? kModeOfOwner : kModeOfNewFiles);
     if (opened < 0) refuse(beside, std::strerror(errno), code);
-    // Only root may give files away, and others keep at least the group where they are in it.
+    // Only root may change the owner. Other users may at least keep the group if they belong to it.
     if (replaces && ::fchown(opened, old.st_uid, old.st_gid) != 0 && ::fchown(opened, uid_t(-1), old.st_gid) != 0)
       errno = 0;
     if (replaces) ::fchmod(opened, old.st_mode & 07777);
@@ -78,7 +78,7 @@ class TemporaryFile {
   }
   TemporaryFile(const TemporaryFile&) = delete;
 
-  // Writes into it and closes it. Returns why that failed, as errno; 0 where it did not.
+  // Writes into the file and closes it. Returns errno; 0 for success.
   int fill(const std::function<void(std::ostream&)>& write) {
     errno = 0;
     std::ostream out(&buffer_);
@@ -87,7 +87,7 @@ class TemporaryFile {
     return out && is_closed ? 0 : errno ? errno : ENOSPC;
   }
   const std::string& name() const { return name_; }
-  // Takes the name of the other file.    Returns errno.
+  // Renames it to the other file's name. Returns errno; 0 for success.
   int rename(const fs::path& file) {
     if (::rename(name_.c_str(), file.c_str()) != 0) return errno;
     name_.clear();
@@ -119,7 +119,7 @@ void checkWritable(const fs::path& named) {
   if (fs::exists(status) && !fs::is_regular_file(status))
     refuse(named, "it is not a regular file", ErrorCode::bad_usage);
   TemporaryFile temporary(file, ErrorCode::bad_usage);
-  // A full disk takes empty files.
+  // An empty file would not show that the disk is full, so a block is written.
   const int number = temporary.fill([](std::ostream& out) { out << std::string(kBlockBytes, ' '); });
   if (number) refuse(named, std::strerror(number), ErrorCode::bad_usage);
 }

@@ -1,4 +1,4 @@
-// OpenFOAM's view factors: F and globalFaceFaces with the maps between ranks, as text.
+// writeFoam() writes OpenFOAM's view factors as text: F and globalFaceFaces, with the maps between ranks.
 //   Source: OpenFOAM v1912, viewFactorsGen.C and viewFactor.C; OpenFOAM-dev, viewFactor.C; mapDistributeBaseIO.C.
 #include <algorithm>
 
@@ -22,14 +22,14 @@ void writeHeader(std::ostream& out, const char* kind, const char* object) {
              kind, object);
 }
 
-// Numbers first to last - 1 as a list.
+// Writes the numbers from `first` to last - 1 as a list.
 void writeRange(std::ostream& out, uint64_t first, uint64_t last) {
   fmt::print(out, "{}(", last - first);
   for (uint64_t k = first; k < last; ++k) fmt::print(out, "{}{}", k == first ? "" : " ", k);
   out << ")\n";
 }
 
-// Every rank sends all its rows to all others. What arrives stands behind the rank's own, by rank.
+// Writes which rows a rank sends to others: all, to each. Received rows follow the rank's rows, rank by rank.
 void writeSubMap(std::ostream& out, const std::vector<uint64_t>& counts, size_t rank) {
   fmt::print(out, "{}\n(\n", counts.size());
   for (size_t to = 0; to < counts.size(); ++to) writeRange(out, 0, counts[rank]);
@@ -46,9 +46,9 @@ void writeConstructMap(std::ostream& out, const std::vector<uint64_t>& counts, s
   out << ")\n";
 }
 
-// Both the map of OpenFOAM Ltd.'s versions and the three of the Foundation's. From 2021 on the former have the number
-// of a communicator behind the two flips. There the 0 is this number, and the list that follows has no count, which is
-// a list, too.
+// Writes the maps of both kinds of OpenFOAM: one file for OpenFOAM Ltd.'s versions, three for the Foundation's. From
+// 2021 on, OpenFOAM Ltd.'s file has the number of a communicator after the two flips. These versions read the 0 of
+// `0()` as this number and the `()` as an empty list; older ones read an empty list of 0 entries.
 void writeMaps(const fs::path& folder, const std::vector<uint64_t>& counts, size_t rank) {
   uint64_t total = 0;
   for (uint64_t count : counts) total += count;
@@ -73,7 +73,7 @@ void writeMaps(const fs::path& folder, const std::vector<uint64_t>& counts, size
   });
 }
 
-// Rows first to last - 1: their form factors above 0, or the columns of these.
+// Writes rows `first` to last - 1: the form factors above 0, or their columns.
 template <class T>
 void writeRows(std::ostream& out, const SparseRows& rows, const std::vector<T>& values, uint64_t first, uint64_t last) {
   fmt::print(out, "{}\n(\n", last - first);

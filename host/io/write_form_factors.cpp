@@ -15,8 +15,8 @@
 namespace viewpeel {
 namespace {
 
-// Formats stand in the order in which users are told of them.
-// Elmer's text and bytes have one extension; a name that ends in .bin.dat has bytes.
+// Messages list the formats in this order. Elmer's text and bytes have the same extension: a file whose name ends in
+// .bin.dat has bytes.
 enum class Format {
   csv,
   rows,
@@ -68,14 +68,14 @@ Format formatOf(const std::filesystem::path& file) {
 
 bool isBuilding(Format format) { return format == Format::idf || format == Format::epjson; }
 
-// Returns a matrix of the standard errors, of the same entries.
+// Returns a matrix of the standard errors of all entries.
 FormFactors errorsOf(const FormFactors& form_factors) {
   std::vector<FormFactors::Entry> entries = form_factors.entries();
   for (FormFactors::Entry& entry : entries) entry.exchange_area.value = entry.exchange_area.standard_error;
   return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
 }
 
-// Balanced form factors have a file of their own.
+// Returns whether balanced form factors go to a file beside the first.
 bool hasBalancedFile(Format format) { return format == Format::mtx || format == Format::npz; }
 
 void writeAs(Format format, const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {

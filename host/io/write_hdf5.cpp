@@ -1,5 +1,5 @@
-// Writes a result in HDF5, for SciPy, AnnData and xarray at once. Compressed rows are in a group; its columns are also
-// found at the top, with dimension scales.
+// writeHdf5() writes a result that SciPy, AnnData and xarray all read. Compressed rows are in a group. The columns are
+// also linked at the top, with dimension scales.
 //   Sources: AnnData's on-disk format, csr_matrix 0.1.0; CF Conventions 1.8, section 8.2, compression by gathering.
 #include <charconv>
 #include <cmath>
@@ -20,7 +20,7 @@
 namespace viewpeel {
 namespace {
 
-// Adds a matrix whose columns and starts are those of the form factors.
+// Adds a matrix with the columns and row starts of the form factors.
 void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows, const std::vector<double>& values) {
   out.write(group + "/data", values);
   if (group == "form_factors") {
@@ -35,7 +35,7 @@ void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows
   out.setAttribute(group, "shape", std::vector<int64_t>(2, rows.rowCount()));
 }
 
-// Links the pairs to the names that xarray's users see. They are the columns of the groups, and take no room.
+// Links the columns of the groups to the names that users of xarray see. Links take no room.
 void addPairs(Hdf5Output& out, const SparseRows& rows, const OutputContent& content) {
   const bool with_balance = content.balanced != nullptr;
   std::vector<int64_t> places;
@@ -115,7 +115,7 @@ void addRows(Hdf5Output& out, const OutputContent& content) {
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
 }
 
-// The answers of `solve`. Rows of the heat are those of the form factors.
+// Adds the answers of `solve`. Its rows are those of the form factors.
 void addHeat(Hdf5Output& out, const Ids& ids, const HeatSolution& heat) {
   const auto add = [&](const std::string& name, const std::string& unit, auto valueOf) {
     std::vector<double> values(ids.count());
@@ -143,7 +143,7 @@ void addHeat(Hdf5Output& out, const Ids& ids, const HeatSolution& heat) {
   }
 }
 
-// Adds the triangles and quadrilaterals that were computed, corners in input units.
+// Adds the triangles and quadrilaterals that were computed, with corners in input units.
 void addGeometry(Hdf5Output& out, const Scene& scene, const Ids& ids) {
   std::vector<double> coordinates[3];
   for (const glm::dvec3& corner : scene.corners)
@@ -184,7 +184,7 @@ void addGeometry(Hdf5Output& out, const Scene& scene, const Ids& ids) {
   out.useScale("geometry/surface_name", "geometry/surface");
 }
 
-// Numbers stand as numbers.
+// Adds a parameter of the run, as a number where it is one.
 void addParameter(Hdf5Output& out, const std::string& name, const std::string& value) {
   const char* end = value.data() + value.size();
   int64_t whole = 0;
@@ -197,7 +197,7 @@ void addParameter(Hdf5Output& out, const std::string& name, const std::string& v
   else out.setAttribute("/", name, value);
 }
 
-// Adds the distance of row sums from 1.
+// Adds the largest distance of row sums from 1, and its root mean square.
 void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
   double largest = 0, squares = 0, count = 0;
   for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {

@@ -1,4 +1,4 @@
-// Writes a result as one JSON object: rows, and the nonzero form factors between them, an entry a line.
+// writeJson() writes a result as one JSON object: rows, and a line for each nonzero form factor between them.
 #include <cmath>
 
 #include <fmt/ostream.h>
@@ -13,10 +13,10 @@
 namespace viewpeel {
 namespace {
 
-// JSON knows no infinity.
+// JSON has no infinity, so an infinite value is null.
 std::string numberOf(double value) { return std::isfinite(value) ? fmt::format("{}", value) : "null"; }
 
-// Quotes a text. Each byte that is not UTF-8 becomes U+FFFD.
+// Returns a text in quotes. Each byte that is not UTF-8 becomes U+FFFD.
 std::string quoteText(const std::string& text) {
   return nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }

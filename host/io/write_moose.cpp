@@ -1,4 +1,4 @@
-// A block of MOOSE's input: SpecifiedViewFactor, whose rows are sidesets.
+// writeMoose() writes a block of MOOSE's input: SpecifiedViewFactor, whose rows are sidesets.
 //   Source: MOOSE, heat transfer module, SpecifiedViewFactor.
 #include <fmt/ostream.h>
 

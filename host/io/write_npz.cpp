@@ -1,4 +1,4 @@
-// Writes a matrix as scipy.sparse.load_npz reads it: the three arrays of its compressed rows, with format and shape.
+// writeNpz() writes a matrix for scipy.sparse.load_npz: the arrays of its compressed rows, with format and shape.
 #include "io/npz_file.h"
 #include <viewpeel/sparse_rows.h>
 #include "io/writers.h"

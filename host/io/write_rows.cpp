@@ -1,4 +1,4 @@
-// Writes a line for each row of the file: area, environment, leak, row sum and errors, which a matrix alone has not.
+// writeRows() writes area, environment, leak, row sum and errors of each row of the file; a matrix alone lacks them.
 #include <cmath>
 
 #include <fmt/ostream.h>
@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-// RowFigures are taken over the entries of a row.
+// RowFigures summarise the entries of a row.
 struct RowFigures {
   double largest_standard_error = 0, guessed = 0;
 };

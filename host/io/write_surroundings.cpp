@@ -1,6 +1,7 @@
-// EnergyPlus's SurfaceProperty:SurroundingSurfaces and SurfaceProperty:LocalEnvironment, as IDF or epJSON.
-//   Source: EnergyPlus Input Output Reference, and its schema; HeatBalanceSurfaceManager.cc, which refuses view factors
-//   that sum to more than 1.
+// writeSurroundings() writes SurfaceProperty:SurroundingSurfaces and SurfaceProperty:LocalEnvironment for EnergyPlus,
+// as
+//   IDF or epJSON.
+//     Source: EnergyPlus Input Output Reference, and its schema; HeatBalanceSurfaceManager.cc, which refuses sums > 1.
 #include <algorithm>
 #include <limits>
 #include <set>
@@ -19,29 +20,29 @@
 namespace viewpeel {
 namespace {
 
-// What a surface sees. Names of others are those of rows.
+// Surroundings are what one surface sees: sky, ground, and others by the names of their rows.
 struct Surroundings {
   std::string surface;
   double sky = 0, ground = 0;
   std::vector<std::pair<std::string, double>> others;
 
-  // Makes the sum 1 where it is more, by errors of sampling or by rounding.
+  // Scales the view factors to a sum of 1 where sampling or rounding made it more.
   void limit() {
     double sum = sky + ground;
     for (const auto& other : others) sum += other.second;
     if (sum <= 1) return;
-    // Each of the numbers is rounded, and so is each of EnergyPlus's sums.
+    // EnergyPlus rounds each number and each of its sums, so the sum stays a little below 1.
     const double scale = (1 - 2 * double(others.size() + 2) * std::numeric_limits<double>::epsilon()) / sum;
     sky *= scale, ground *= scale;
     for (auto& other : others) other.second *= scale;
   }
   std::string name() const { return "surroundings of " + surface; }
   std::string environment() const { return "environment of " + surface; }
-  // A schedule of this name is the user's: what temperature the other one has is not known here.
+  // Returns the name of a schedule that the user has to provide, for temperatures are not known here.
   static std::string temperature(const std::string& other) { return other + " temperature"; }
 };
 
-// Returns the names of surfaces outdoors, in small letters.
+// Returns the names of surfaces with the boundary condition `outdoors`, in small letters.
 std::set<std::string> outdoors(const EnergyPlusBuilding& building) {
   std::set<std::string> names;
   for (const EnergyPlusSurface& surface : building.surfaces)

@@ -1,4 +1,4 @@
-// SYRTHES's mesh.fdf: exchange areas of a run on one rank.
+// writeSyrthes() writes SYRTHES's mesh.fdf: exchange areas of a run on one rank.
 //   Source: SYRTHES 4.3.5, its own files.
 #include <viewpeel/sparse_rows.h>
 #include "io/put_bytes.h"
@@ -6,7 +6,7 @@
 
 namespace viewpeel {
 
-// The diagonal has what other rows and the environment leave of a row's area, as in SYRTHES's own files.
+// Writes the file. A row's diagonal is its area less its other entries and environment, as in SYRTHES's files.
 void writeSyrthes(const FormFactors& form_factors, std::ostream& out) {
   const SparseRows rows = compressRows(form_factors);
   const Ids& ids = form_factors.ids();

@@ -1,4 +1,4 @@
-// Writes VTK's XML PolyData, arrays appended raw, little-endian, each after its length in 64 bits.
+// writeVtp() writes VTK's XML PolyData. Arrays are raw bytes, little-endian, each after its length in 64 bits.
 //   Source: Kitware, The VTK User's Guide, 11th edition, VTK file formats.
 #include <cstring>
 #include <functional>
@@ -25,7 +25,7 @@ std::string escapeXml(const std::string& text) {
   return escaped;
 }
 
-// Arrays are declared first, and their bytes follow in the same order.
+// Arrays collects declarations and bytes: all arrays are declared first, and their bytes follow in the same order.
 class Arrays {
  public:
   template <class T>
@@ -50,7 +50,7 @@ class Arrays {
   uint64_t offset_ = 0;
 };
 
-// Texts stand as the codes of their bytes, each closed by 0.
+// Declares an array of texts: the codes of their bytes, a 0 after each text.
 std::string textArray(const std::string& name, uint32_t count,
                       const std::function<const std::string&(uint32_t)>& textOf) {
   std::string line = fmt::format("<DataArray type=\"String\" Name=\"{}\" format=\"ascii\">", name);
@@ -61,7 +61,7 @@ std::string textArray(const std::string& name, uint32_t count,
   return line + "</DataArray>\n";
 }
 
-// Returns the arrays of the polygons, each with its row's values.
+// Returns the arrays of the polygons. Each polygon has the values of its row.
 std::string cellData(const OutputContent& content, Arrays& arrays) {
   const FormFactors& f = content.form_factors;
   const Ids& ids = f.ids();

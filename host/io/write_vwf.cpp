@@ -1,4 +1,4 @@
-// Writes CalculiX's view factors, .vwf: unformatted records of Fortran, as *VIEWFACTOR,READ takes them.
+// writeVwf() writes CalculiX's view factors, .vwf: unformatted Fortran records, which *VIEWFACTOR,READ reads.
 //   Sources: CalculiX 2.20, readview.f and writeview.f; GNU Fortran, File format of unformatted sequential files.
 #include <algorithm>
 
@@ -13,11 +13,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kLongestPiece = 2147483639;  // bytes of a record that gfortran writes in one piece
+constexpr uint64_t kLongestPiece = 2147483639;  // longest piece of a record in gfortran's files
 constexpr size_t kVersionBytes = 80;
 
-// A record of a known length, in pieces: the mark before a piece is negative where another follows, the mark behind
-// it where another precedes.
+// A Record is a Fortran record of known length, in pieces with their length before and after. The length before a piece
+// is negative where another piece follows; the length after it where another piece precedes.
 class Record {
  public:
   Record(std::ostream& out, uint64_t bytes) : out_(out), left_(bytes) { begin(); }
@@ -53,7 +53,8 @@ class Record {
   bool is_first_ = true;
 };
 
-// Rows have their cavities, and whether nothing leaves these, from the deck. Other scenes are one open cavity.
+// Rows have the cavities of a CalculiX deck, and whether each is closed. In other scenes all rows share one open
+// cavity.
 struct Rows {
   std::vector<int> cavities;
   std::vector<bool> is_closed;
@@ -61,7 +62,7 @@ struct Rows {
 
 Rows rowsOf(const OutputContent& content, size_t count) {
   Rows rows{std::vector<int>(count, 0), std::vector<bool>(count, false)};
-  if (!content.scene || !content.scene->file.ends_with(".inp")) return rows;  // as the reader is chosen
+  if (!content.scene || !content.scene->file.ends_with(".inp")) return rows;  // the reader is chosen so, too
   const CcxDeck deck = readCcxDeck(content.scene->file);
   if (deck.faces.size() != count)
     throw Error(ErrorCode::bad_usage,
@@ -75,7 +76,7 @@ Rows rowsOf(const OutputContent& content, size_t count) {
   return rows;
 }
 
-// Pairs below the diagonal, column by column, of equal cavities: F(row -> column) or F(column -> row).
+// Writes pairs of one cavity below the diagonal, column by column: first all F(row -> column), then F(column -> row).
 void writePairs(const SparseRows& sparse, const SparseRows& transposed, const std::vector<int>& cavities,
                 Record& record) {
   const auto n = static_cast<int64_t>(cavities.size());

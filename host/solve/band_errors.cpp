@@ -15,7 +15,8 @@ using Eigen::VectorXd;
 
 constexpr uint64_t kProbeSeed = 0x62616E6473;
 
-// A Disturbance is what errors do to A H_k, to the exchange with the environment, and to that with its part above.
+// A Disturbance is the effect of errors on A H_k, on the exchange with the environment, and on its part above the
+// horizon.
 struct Disturbance {
   BandVectors of_bands;
   VectorXd environment, up;
@@ -24,7 +25,7 @@ struct Disturbance {
       : of_bands(bands, VectorXd::Zero(rows)), environment(VectorXd::Zero(rows)), up(VectorXd::Zero(rows)) {}
 };
 
-// Adds errors of exchange areas to disturbances: docs/solve.md, eq. (7), band by band.
+// A Disturber adds errors of exchange areas to disturbances, band by band: docs/solve.md, eq. (7).
 class Disturber {
  public:
   Disturber(const ClosedExchange& closed, const BandSystem& system) : closed_(closed), system_(system) {
@@ -50,7 +51,8 @@ class Disturber {
   }
 
  private:
-  // The row gains exchange with another, which its environment loses where it is the rest, else its own diagonal.
+  // The row exchanges more with another row, and as much less with its environment, or with itself
+  // (environment_is_rest).
   void gain(uint32_t row, uint32_t other, double error, Disturbance& sum) const {
     const bool is_rest = closed_.environment_is_rest[row];
     if (is_rest) {

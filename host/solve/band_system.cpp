@@ -16,11 +16,11 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostSteps = 100, kMostHalvings = 40, kMostInnerSteps = 500;
-constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // of the largest emission
-constexpr double kInnerResidual = 1e-8;                      // of a Newton step
-constexpr double kLargestFall = 0.25;                        // of a temperature in a step
+constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // largest residual, over the largest emission
+constexpr double kInnerResidual = 1e-8;                      // largest residual of a Newton step's linear solution
+constexpr double kLargestFall = 0.25;                        // least ratio of a temperature after a step to that before
 
-// The temperature that all emission is measured from: the environment's, or the first that is given.
+// Returns the temperature whose emission is subtracted from all: the environment's, or the first that is given.
 double referenceTemperature(const ClosedExchange& closed, const Enclosure& enclosure) {
   if (closed.is_open)
     return enclosure.sky_and_ground ? enclosure.sky_and_ground->up : *enclosure.environment_temperature;
@@ -86,7 +86,7 @@ void BandSystem::findIrradiations() {
   }
 }
 
-// The heat flux of free rows beyond what is given.
+// Returns how far the heat flux of each free row exceeds the given one.
 VectorXd BandSystem::excess() const {
   VectorXd excess = VectorXd::Zero(temperatures_.size());
   for (Index i = 0; i < excess.size(); ++i) {
@@ -98,8 +98,8 @@ VectorXd BandSystem::excess() const {
   return excess;
 }
 
-// Newton's method begins with the grey enclosure whose emissivities are those for black emission at the temperature of
-// reference.
+// Guesses temperatures for Newton's method: those of a grey enclosure, with emissivities averaged over black emission
+// at the reference temperature.
 void BandSystem::guessTemperatures() {
   const auto n = temperatures_.size();
   const double reference = referenceTemperature(closed_, enclosure_);
@@ -124,7 +124,7 @@ void BandSystem::guessTemperatures() {
           0.25);
 }
 
-// What a row emits in a band changes so with its temperature, where that is free.
+// Returns the change of each free row's emission in a band with its temperature; 0 for other rows.
 VectorXd BandSystem::slope(size_t k) const {
   VectorXd slope = VectorXd::Zero(temperatures_.size());
   for (Index i = 0; i < slope.size(); ++i)
@@ -137,7 +137,7 @@ VectorXd BandSystem::solveRoughly(size_t k, const VectorXd& b) const {
 }
 
 // Returns how much the heat flux of each free row changes, to first order, when temperatures change by `change`. Free
-// rows are those whose temperatures are to be found.
+// rows are rows whose temperatures are to be found.
 VectorXd BandSystem::changeOfFlux(const BandVectors& slopes, const VectorXd& change) const {
   VectorXd flux = VectorXd::Zero(change.size());
   for (size_t k = 0; k < bands_.size(); ++k) {
@@ -149,8 +149,8 @@ VectorXd BandSystem::changeOfFlux(const BandVectors& slopes, const VectorXd& cha
   return flux;
 }
 
-// Solves for the change of temperatures by BiCGSTAB (H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13, 1992), for
-// bands of different slopes leave no symmetric form. The preconditioner is what rows emit themselves.
+// Solves for the change of temperatures by BiCGSTAB (H. A. van der Vorst, SIAM J. Sci. Stat. Comput. 13, 1992), since
+// the matrix of several bands is not symmetric. The preconditioner is the change of each row's emission.
 VectorXd BandSystem::solveNewton(const VectorXd& right_side) const {
   const Index n = right_side.size();
   BandVectors slopes;
@@ -180,7 +180,7 @@ VectorXd BandSystem::solveNewton(const VectorXd& right_side) const {
   return scale.cwiseProduct(y);
 }
 
-// Refuses a row that gives off more heat than it can, where Newton's method has found no temperatures.
+// Refuses a row that would have to emit less than nothing, after Newton's method has failed.
 void BandSystem::refuseNegativeEmission(const std::vector<std::string>& names) const {
   for (Index i = 0; i < temperatures_.size(); ++i) {
     if (!isFree(i)) continue;
@@ -218,7 +218,7 @@ void BandSystem::solve(const std::vector<std::string>& names) {
       off = excess();
       if (off.norm() < norm) break;
     }
-    if (!(off.norm() < norm)) {  // rounding
+    if (!(off.norm() < norm)) {  // rounding prevents smaller residuals
       if (size <= kSolvedAtRounding * scale) return;
       break;
     }

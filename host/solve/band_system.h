@@ -1,4 +1,4 @@
-// The equations of all bands, and how answers change with what disturbs them.
+// A BandSystem has the equations of all bands, and tells how answers respond to disturbances.
 #pragma once
 #include <memory>
 #include <vector>
@@ -10,39 +10,39 @@
 
 namespace viewpeel {
 
-using BandVectors = std::vector<Eigen::VectorXd>;  // one over rows for each band
+using BandVectors = std::vector<Eigen::VectorXd>;  // a vector over rows for each band
 
-// A BandSystem has A H_k = X B_k + x_e E_ek, B_k = e_k E_k(T) + (1 - e_k) H_k for each band k. Rows of given heat flux
-// have the temperatures for which sum_k e_k (E_k(T) - H_k) is it.
+// A BandSystem solves A H_k = X B_k + x_e E_ek, B_k = e_k E_k(T) + (1 - e_k) H_k for each band k. A row of given heat
+// flux has the temperature T at which sum_k e_k (E_k(T) - H_k) is this flux.
 class BandSystem {
  public:
-  //   In: closed, enclosure: referred to; materials sound
+  //   In: closed, enclosure: kept by reference; materials: checked
   BandSystem(const ClosedExchange& closed, const Enclosure& enclosure);
 
   // Finds the temperatures of all rows by Newton's method, and with them the irradiations.
-  //   Throws: Error bad_input where a row would have to emit less than nothing; Error limit where Newton's method, or
-  //   conjugate gradients, do not get there.
+  //   Throws: Error bad_input where a row would have to emit less than nothing; Error limit where Newton's method or
+  //    conjugate gradients do not converge.
   void solve(const std::vector<std::string>& names);
 
   size_t bandCount() const { return bands_.size(); }
   const Eigen::VectorXd& temperatures() const { return temperatures_; }
-  // Returns irradiations and radiosities of a band, less the shift.
+  // Returns irradiations and radiosities of a band, less its shift().
   const Eigen::VectorXd& irradiation(size_t k) const { return irradiations_[k]; }
   Eigen::VectorXd radiosity(size_t k) const;
   const Outside& outside(size_t k) const { return outside_[k]; }
   const Eigen::VectorXd& emissivity(size_t k) const { return emissivities_[k]; }
-  // Returns E_k(T), less the shift, and the shift: what is emitted in the band at the temperature of reference.
+  // Returns E_k(T) less the shift. The shift is the emission in the band at the reference temperature.
   double power(size_t k, double temperature) const { return bandPower(bands_[k], temperature) - shifts_[k]; }
   double powerSlope(size_t k, double temperature) const { return bandPowerSlope(bands_[k], temperature); }
   double shift(size_t k) const { return shifts_[k]; }
   uint32_t steps() const;
 
-  // A Response says how answers change with disturbances of A H_k, in first order.
+  // A Response says how answers change under a disturbance of A H_k, in first order.
   struct Response {
     Eigen::VectorXd temperature;
     BandVectors irradiation;
   };
-  //   In: disturbances: for each band, W    Error: 1e-7 of the disturbance. Several threads may call it at once.
+  //   In: disturbances: by band, W    Error: 1e-7 of the disturbance. Several threads may call it at once.
   Response respond(const BandVectors& disturbances) const;
 
  private:
@@ -61,11 +61,11 @@ class BandSystem {
   std::vector<Band> bands_;
   std::vector<double> shifts_;
   BandVectors emissivities_;
-  std::vector<std::shared_ptr<const Irradiation>> solvers_;  // of bands; shared by those of the same emissivities
+  std::vector<std::shared_ptr<const Irradiation>> solvers_;  // by band; bands with the same emissivities share one
   using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  std::vector<std::shared_ptr<const RowMajorMatrix>> inverses_;  // of bands; none beyond kMostExactRows
+  std::vector<std::shared_ptr<const RowMajorMatrix>> inverses_;  // by band; empty with more than kMostExactRows rows
   std::vector<Outside> outside_;
-  std::vector<bool> is_free_;  // rows whose temperatures are to be found
+  std::vector<bool> is_free_;  // by row: whether its temperature is to be found
   Eigen::VectorXd temperatures_;
   BandVectors irradiations_;
 };

@@ -56,7 +56,7 @@ class BandAnswers {
     found.to_down = {down, errors_.toDown()};
   }
 
-  // Emission of some rows at a temperature, per area of all, and its change with the temperature.
+  // Emission is what some rows emit at one temperature, over the area of all rows, and its change with the temperature.
   struct Emission {
     double power = 0, slope = 0;
   };
@@ -68,8 +68,8 @@ class BandAnswers {
     }
     return emission;
   }
-  // Returns the temperature at which rows of these mean emissivities would emit the power, by bisection: emission grows
-  // with the temperature.
+  // Returns the temperature at which rows of these mean emissivities emit this power. Emission grows with the
+  // temperature, so bisection finds it.
   double temperatureOf(const VectorXd& emissivities, double power, double low, double high) const {
     for (int turn = 0; turn < kMostTurns && low < high; ++turn) {
       const double middle = low + (high - low) / 2;
@@ -110,7 +110,7 @@ class BandAnswers {
     sum.emissivity = meanEmissivity(emissivities, temperature);
     sum.radiosity.standard_error = error(BandErrors::kRadiosity, shares);
     sum.irradiation.standard_error = error(BandErrors::kIrradiation, shares);
-    std::vector<Term> of_flux;  // of rows whose heat flux is not given
+    std::vector<Term> of_flux;  // rows whose heat flux is not given
     for (const Term& term : shares)
       if (enclosure_.materials[term.row].temperature) of_flux.push_back(term);
     sum.heat_flux.standard_error = error(BandErrors::kFlux, of_flux);
@@ -121,7 +121,7 @@ class BandAnswers {
     return errors_.standardError(answer, terms);
   }
 
-  // The emissivity for black emission at the temperature.
+  // Returns the emissivity, averaged over black emission at the temperature.
   double meanEmissivity(const VectorXd& emissivities, double temperature) const {
     double emitted = 0, black = 0;
     for (size_t k = 0; k < system_.bandCount(); ++k) {

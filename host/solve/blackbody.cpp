@@ -9,13 +9,13 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kSecondConstant = 14387.768775039337;  // um K, h c / k of the SI of 2019
+constexpr double kSecondConstant = 14387.768775039337;  // um K: h c / k with the constants of the SI of 2019
 constexpr double kShareOfIntegral = 15 / (std::numbers::pi * std::numbers::pi * std::numbers::pi * std::numbers::pi);
-constexpr double kSeriesMeet = 2;     // of z
-constexpr double kNoEmission = 700;   // e^-z is 0 in double beyond
-constexpr double kLeastTerm = 1e-17;  // of the sum
+constexpr double kSeriesMeet = 2;     // value of z up to which the power series is used
+constexpr double kNoEmission = 700;   // above this z, e^-z is 0 in double precision
+constexpr double kLeastTerm = 1e-17;  // at which a series ends, over the sum
 
-// The integral of x^3 / (e^x - 1) from z on: e^-nz (z^3 / n + 3 z^2 / n^2 + 6 z / n^3 + 6 / n^4), summed over n.
+// Returns the integral of x^3 / (e^x - 1) from z on: the sum of e^-nz (z^3 / n + 3 z^2 / n^2 + 6 z / n^3 + 6 / n^4).
 double integralBeyond(double z) {
   double sum = 0;
   for (int n = 1;; ++n) {
@@ -25,9 +25,9 @@ double integralBeyond(double z) {
   }
 }
 
-// The integral up to z, of x^2 times the sum of B_n x^n / n!, B_n being Bernoulli's numbers.
+// Returns the integral from 0 to z, by integrating x^2 times the sum of B_n x^n / n!, with Bernoulli's numbers B_n.
 double integralUpTo(double z) {
-  // B_2m / (2m)! = -2 (-1)^m zeta(2m) / (2 pi)^2m, whose zeta is 1 to 1e-16 from 2m = 54 on.
+  // B_2m / (2m)! = -2 (-1)^m zeta(2m) / (2 pi)^2m. From 2m = 54 on zeta is 1 to 1e-16.
   double sum = 1.0 / 3 - z / 8;
   const double turn = 4 * std::numbers::pi * std::numbers::pi;
   double power = 1;

@@ -1,4 +1,4 @@
-// What a black surface emits in a band of wavelengths.
+// These functions give the emission of a black surface in a band of wavelengths.
 #pragma once
 
 namespace viewpeel {
@@ -12,13 +12,13 @@ struct Band {
 // z = C_2 / (wavelength temperature) to infinity.
 //   In: um_K: wavelength times temperature, micrometres kelvin, from 0 to infinity
 //   Out: 0 to 1    Error: 1e-14. Tests: tests/unit/blackbody_test.cpp.    Cost: some 20 terms.
-//   Source: S. L. Chang & K. T. Rhee, Blackbody radiation functions, Int. Comm. Heat Mass Transfer 11, 1984, 451-455;
-//     below z = 2, where its series is slow, the power series with Bernoulli's numbers.
+//   Source: S. L. Chang & K. T. Rhee, Blackbody radiation functions, Int. Comm. Heat Mass Transfer 11, 1984, 451-455.
+//    Below z = 2 their series converges slowly, and the power series with Bernoulli's numbers is used.
 double blackbodyShare(double um_K);
 
-// Returns what a black surface of this temperature emits in the band, W/m2.
+// Returns the emission of a black surface in the band, W/m2.
 double bandPower(const Band& band, double temperature);
-// Returns its change with the temperature, W/m2 per kelvin.
+// Returns the change of this emission with the temperature, W/m2 per kelvin.
 double bandPowerSlope(const Band& band, double temperature);
 
 }  // namespace viewpeel

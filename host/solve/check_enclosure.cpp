@@ -9,7 +9,7 @@
 namespace viewpeel {
 namespace {
 
-// Refuses rows whose heat has no way to a given temperature.
+// Refuses rows that exchange heat, directly or through others, with nothing of a given temperature.
 void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
   std::vector<uint32_t> group(ids.count());
   std::iota(group.begin(), group.end(), 0u);
@@ -32,7 +32,7 @@ void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclo
                       ids.names[i]));
 }
 
-// A grey row has one emissivity, and with bands a row has one in each.
+// Refuses emissivities that do not suit the bands: a grey row has one emissivity, a row with bands one for each.
 void requireEmissivities(const Material& material, size_t band_limits, const std::string& name) {
   const std::vector<double> emissivities =
       band_limits == 0 ? std::vector{material.emissivity} : material.band_emissivities;

@@ -13,9 +13,9 @@ namespace {
 using Eigen::VectorXd;
 using Entry = FormFactors::Entry;
 
-// The environment is beyond doubt where it is so many standard errors: chance passes them once in 147,000 cases.
+// An environment of this many standard errors is real: chance exceeds it once in 147,000 cases.
 constexpr double kBeyondDoubt = 4.5;
-constexpr double kRounding = 1e-12;  // of a row sum that is 1 by construction
+constexpr double kRounding = 1e-12;  // allowed in a row sum that is 1 by construction
 
 void refuseLeak(const FormFactors& form_factors) {
   const Ids& ids = form_factors.ids();

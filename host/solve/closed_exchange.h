@@ -1,4 +1,4 @@
-// Makes exchange areas whose rows add up to the rows' areas: docs/solve.md, eq. (3).
+// closeRows() makes exchange areas whose rows add up to the rows' areas: docs/solve.md, eq. (3).
 #pragma once
 #include <vector>
 
@@ -8,19 +8,19 @@
 
 namespace viewpeel {
 
-// A ClosedExchange has x_ij and x_ie of all rows. What a row's measured entries lack is on its diagonal.
+// A ClosedExchange has x_ij and x_ie of all rows. A row's lack, by which its entries miss its area, is on its diagonal.
 struct ClosedExchange {
   Eigen::SparseMatrix<double, Eigen::RowMajor> pairs;  // n x n, symmetric, the diagonal filled
   Eigen::VectorXd areas, environment;                  // of rows; environment is 0 in a closed scene
   bool is_open = false;
-  double environment_share = 0;  // of all emitted radiation, that which leaves the scene
-  double largest_lack = 0;       // the row sum that is farthest from 1 lacks this, or exceeds 1 where it is below 0
+  double environment_share = 0;  // share of all emitted radiation that leaves the scene
+  double largest_lack = 0;       // the lack of the row whose sum is farthest from 1; below 0 where the sum exceeds 1
   uint32_t lacking_row = 0;
-  // The environment of these rows is what their pairs leave of 1, so that the errors of the pairs are in it.
+  // By row: whether the environment is 1 less the row's pairs, so that its error follows from theirs.
   std::vector<bool> environment_is_rest;
 };
 
-// Makes it from measured form factors.
+// Makes closed exchange areas of measured form factors.
 //   In: form factors of all rows
 //   Error: rounding. Tests: tests/unit/solve_heat_test.cpp.
 //   Throws: Error bad_usage for some rows only; bad_input where more than kGrazingShare of all radiation ends on backs.

@@ -40,7 +40,8 @@ Conductors findConductors(const ClosedExchange& closed, const VectorXd& emissivi
   return found;
 }
 
-// The environment is a row like the others: the last one, of as much area as exchanges with it.
+// Returns the factors as form factors between rows of area A_i e_i. The environment is the last row, and as large as
+// its exchange.
 FormFactors asFormFactors(const ExchangeFactors& factors, const VectorXd& to_environment) {
   Ids ids;
   ids.names = factors.names;
@@ -57,7 +58,7 @@ FormFactors asFormFactors(const ExchangeFactors& factors, const VectorXd& to_env
   return {std::move(ids), std::move(entries), {}};
 }
 
-// Leaves out what is below the cut both ways, and lets the rest make up for it.
+// Leaves out factors below the cut in both directions, and balances the others so that rows keep their sums.
 void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& factors) {
   const auto n = static_cast<uint32_t>(factors.names.size());
   std::vector<double> largest(n), lost(n);

@@ -9,21 +9,21 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kMostTurns = 200;
-constexpr double kRoom = 1.05;  // of the next guess beyond what the last one asks for
+constexpr double kRoom = 1.05;  // of the next guess beyond what the last one needed
 
-// How far each entry may be off.
+// Returns how far an entry may be from its value.
 double widthOf(const FormFactors& measured, size_t k) {
   const double value = measured.entries()[k].exchange_area.value;
   const Interval& interval = measured.intervals()[k];
   return std::max({0.0, interval.upper - value, value - interval.lower});
 }
 
-// Bounds |(X~ - X) values| in each row.
+// A Spread bounds |(X~ - X) values| in each row.
 class Spread {
  public:
   Spread(const FormFactors& measured, const ClosedExchange& closed)
       : measured_(measured), is_open_(closed.is_open), diagonal_(VectorXd::Zero(closed.areas.size())) {
-    // What a row lacks is on the diagonal of X, and the environment's or a partner's in truth.
+    // A row's lack is on the diagonal of X; in truth the environment or a partner exchanges it.
     VectorXd lack = closed.areas - closed.environment;
     for (const FormFactors::Entry& entry : measured.entries()) {
       if (entry.j >= kEnvironment) continue;
@@ -40,11 +40,11 @@ class Spread {
       if (j >= kEnvironment) continue;
       const double width = widthOf(measured_, k);
       if (is_open_) {
-        // The environment takes the rest, and is at 0.
+        // The row's environment, whose value is 0, loses what the pair gains.
         spread[i] += width * std::abs(values[j]);
         if (i != j) spread[j] += width * std::abs(values[i]);
       } else if (i != j) {
-        // Rows sum to 1: what one partner gains the row itself loses.
+        // Rows sum to 1, so the row itself loses what a partner gains.
         const double difference = width * std::abs(values[j] - values[i]);
         spread[i] += difference;
         spread[j] += difference;
@@ -69,7 +69,7 @@ VectorXd boundIrradiation(const FormFactors& measured, const ClosedExchange& clo
   for (int turn = 0; turn < kMostTurns; ++turn) {
     VectorXd bound = irradiation.solve(right_side + guess);
     if (!bound.allFinite() || bound.norm() > 1e100) break;
-    // (A - X~ R) w >= v + guess - |X~ - X| R w, which is v or more where the guess suffices.
+    // (A - X~ R) w >= v + guess - |X~ - X| R w, which is at least v if the guess is large enough.
     const VectorXd needed = spread.of(reflectivity.cwiseProduct(bound));
     if ((needed.array() <= guess.array()).all()) return bound;
     guess = kRoom * needed;

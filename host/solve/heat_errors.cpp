@@ -19,7 +19,7 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
                        const VectorXd& radiosity, const Outside& outside, uint32_t most_exact_rows)
     : closed_(closed), outside_(outside), radiosity_(radiosity) {
   sources_.reserve(measured.entries().size());
-  // What a pair gains, the row's environment loses where it is the rest, else the row's own diagonal.
+  // A row loses what its pair gains: from its environment if that is the rest of the row, else from its diagonal.
   const auto taken = [&](uint32_t row) {
     return closed.environment_is_rest[row] ? outside.power[row] : radiosity[row];
   };
@@ -99,7 +99,7 @@ double HeatErrors::standardError(const std::vector<Term>& terms) const {
                    changes.tail(changes.size() - kProbes).squaredNorm());
 }
 
-// The heat flow to a part is sum_i x_ip (B_i - B_p), and B = source + reflectivity H.
+// The heat flow to a part p of the environment is sum_i x_ip (B_i - B_p), with B = source + reflectivity H.
 HeatErrors::Functional HeatErrors::environmentFlow(const VectorXd& reflectivity, Part part) const {
   const VectorXd ones = VectorXd::Ones(radiosity_.size());
   const VectorXd from_up = radiosity_ - outside_.up_power * ones, from_down = radiosity_ - outside_.down_power * ones;

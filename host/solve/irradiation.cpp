@@ -28,7 +28,7 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
   VectorXd h = VectorXd::Zero(right_side.size()), residual = right_side;
   if (!(right_side.norm() > 0)) return h;
   const VectorXd diagonal = symmetric_.diagonal();
-  // Rounding is kResidual at most of the sum of the sizes of all terms. Entries off the diagonal are below 0.
+  // The residual may be up to kResidual of the sum of all terms' sizes. Entries of S off the diagonal are below 0.
   const auto sizeOfTerms = [&] {
     const VectorXd sizes = h.cwiseAbs();
     return (right_side.cwiseAbs() + 2 * diagonal.cwiseProduct(sizes) - symmetric_ * sizes).norm();
@@ -36,7 +36,7 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
   Solver solver(symmetric_);
   solver.setTolerance(kStep);
   solver.setMaxIterations(10 * right_side.size() + 1000);
-  // Rounding keeps one run of conjugate gradients from its residual: the next starts from the true one.
+  // Rounding limits one run of conjugate gradients, so a next run starts from the true residual.
   for (int turn = 0; turn < kRefinements; ++turn) {
     h += solver.solve(residual);
     steps_ += static_cast<uint32_t>(solver.iterations());
@@ -62,7 +62,7 @@ VectorXd Irradiation::irradiationOf(const VectorXd& b, const VectorXd& h) const 
 }
 
 RowMajorMatrix Irradiation::inverse() const {
-  // The inverse is A^-1 + A^-1 X R^(1/2) S^-1 R^(1/2), without a division by R, which may be 0.
+  // The inverse is A^-1 + A^-1 X R^(1/2) S^-1 R^(1/2). This form never divides by R, which may be 0.
   const Eigen::MatrixXd dense = symmetric_;
   RowMajorMatrix inverse = dense.llt().solve(Eigen::MatrixXd(root_.asDiagonal()));
   inverse = root_.asDiagonal() * inverse;

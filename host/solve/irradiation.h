@@ -1,8 +1,8 @@
-// Computes the irradiation of all rows, by conjugate gradients on a symmetric positive definite form.
+// An Irradiation computes what arrives at all rows, by conjugate gradients on a symmetric positive definite matrix.
 //
-// Rows reflect r_j of what arrives, and X are closed exchange areas: (A - X R) H = b. With h = R^(1/2) H the matrix
-// S = A - R^(1/2) X R^(1/2) is symmetric, and positive definite where every row has something to refer to. It stands
-// for r = 0 too, where a form with A / r does not. Derivation: docs/solve.md, eq. (4) and (5).
+// Rows reflect the share r_j of their irradiation, and X are closed exchange areas: (A - X R) H = b. With h = R^(1/2) H
+// the matrix S = A - R^(1/2) X R^(1/2) is symmetric. It is positive definite where every row exchanges, even through
+// others, with a given temperature. A form with A / r would fail for r = 0. Derivation: docs/solve.md, eq. (4) and (5).
 #pragma once
 #include <Eigen/Dense>
 
@@ -13,23 +13,23 @@ namespace viewpeel {
 // An Irradiation solves (A - X R) H = b for one set of reflectivities and many right sides.
 class Irradiation {
  public:
-  //   In: closed: referred to; reflectivity: r_i in [0, 1], 1 for rows of given heat flux
+  //   In: closed: kept by reference; reflectivity: r_i in [0, 1], 1 for rows of given heat flux
   Irradiation(const ClosedExchange& closed, const Eigen::VectorXd& reflectivity);
 
-  // Returns H of (A - X R) H = b.
-  //   In: b, W per unit of irradiation    Out: H, n
+  // Returns the solution H of (A - X R) H = b.
+  //   In: b: by row, W per unit of irradiation    Out: H, by row
   //   Error: the residual of S h is below 1e-14 of the sizes of its terms. Tests: tests/unit/solve_heat_test.cpp.
-  //   Throws: Error limit where conjugate gradients do not get there.
+  //   Throws: Error limit where conjugate gradients do not converge.
   //   Cost: some dozens of products of X.
   Eigen::VectorXd solve(const Eigen::VectorXd& b) const;
-  // Returns the same to 1e-7 of the right side, for errors of errors. Several threads may call it at once.
+  // Returns the solution to 1e-7 of the right side, for propagating errors. Several threads may call it at once.
   Eigen::VectorXd solveRoughly(const Eigen::VectorXd& b) const;
   // Returns the whole inverse (A - X R)^-1, n x n, in rows.    Cost: 2 n^3; memory 16 n^2 bytes.
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse() const;
   // Returns S = A - R^(1/2) X R^(1/2), and R^(1/2).
   const Eigen::SparseMatrix<double, Eigen::RowMajor>& symmetric() const { return symmetric_; }
   const Eigen::VectorXd& roots() const { return root_; }
-  // Returns steps of conjugate gradients in all calls of solve.
+  // Returns the number of steps of conjugate gradients in all calls of solve.
   uint32_t steps() const { return steps_; }
 
  private:
@@ -37,7 +37,7 @@ class Irradiation {
   Eigen::VectorXd irradiationOf(const Eigen::VectorXd& b, const Eigen::VectorXd& h) const;
 
   const ClosedExchange& closed_;
-  Eigen::VectorXd root_;  // of reflectivities
+  Eigen::VectorXd root_;  // square roots of reflectivities
   Eigen::SparseMatrix<double, Eigen::RowMajor> symmetric_;
   mutable uint32_t steps_ = 0;
 };

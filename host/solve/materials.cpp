@@ -14,7 +14,7 @@ namespace {
 
 using Line = MaterialTable::Line;
 
-// Returns whether a text fits a pattern, in which * stands for any characters and ? for one.
+// Returns whether a text matches a pattern, in which * stands for any characters and ? for one.
 bool fits(std::string_view pattern, std::string_view text) {
   size_t p = 0, t = 0, star = std::string_view::npos, after_star = 0;
   while (t < text.size()) {
@@ -33,14 +33,15 @@ bool fits(std::string_view pattern, std::string_view text) {
 
 bool hasWildcard(const std::string& name) { return name.find_first_of("*?") != std::string::npos; }
 
-// Names of faces and surfaces, and which of them the lines have named.
+// A LineFinder finds the lines of a table that match a name, and remembers which lines have been used.
 class LineFinder {
  public:
   explicit LineFinder(const MaterialTable& table) : table_(table), is_used_(table.lines.size()) {
     for (size_t k = 0; k < table.lines.size(); ++k) of_name_[table.lines[k].name] = k;
   }
 
-  // Marks the lines that name a face or surface. Returns the strongest: by its name, else the last by wildcards.
+  // Returns the line with exactly this name, else the last line whose wildcards match. Marks matching lines as
+  // used.
   const Line* find(const std::string& name) {
     const auto exact = of_name_.find(name);
     const Line* found = nullptr;
@@ -68,7 +69,7 @@ class LineFinder {
   std::vector<bool> is_used_;
 };
 
-// Returns the line that counts of two that fit a face and its surface: by the face's name, its surface's, or the later.
+// Returns which of two lines counts for a face: the line with the face's name, else its surface's name, else the later.
 const Line* stronger(const Line* of_face, const std::string& face, const Line* of_surface, const std::string& surface) {
   if (!of_face || !of_surface) return of_face ? of_face : of_surface;
   if (of_face->name == face) return of_face;
@@ -83,7 +84,7 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   std::vector<const Line*> of_surface;
   of_surface.reserve(surface_names.size());
   for (const std::string& name : surface_names) of_surface.push_back(finder.find(name));
-  // Empty rows have names, too.
+  // Lines may name empty rows, too.
   for (const EmptyRow& empty : ids.empty_rows) finder.find(empty.name);
 
   Enclosure enclosure{{}, table.environment_temperature, surface_names, table.sky_and_ground, table.band_limits_um};

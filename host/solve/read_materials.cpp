@@ -1,4 +1,4 @@
-// Reads a file of materials: docs/solve.md.
+// readMaterials() reads a file of materials: docs/solve.md.
 #include <viewpeel/solve.h>
 
 #include <algorithm>
@@ -18,15 +18,15 @@
 namespace viewpeel {
 namespace {
 
-// Columns of the file, in the order in which fields are kept; emissivities of bands follow, shortest waves first.
+// The first fields of a line, in the order in which they are kept. Emissivities of bands follow, shortest waves first.
 enum Column { kSurface, kEmissivity, kTemperature, kHeatFlux, kFirstBand };
 constexpr std::array<const char*, kFirstBand> kColumns{"surface", "emissivity", "temperature", "heat_flux"};
 constexpr const char* kBandPrefix = "emissivity:";
 using Fields = std::vector<std::string>;
 
 struct Header {
-  std::vector<size_t> columns;    // of each field of a line
-  std::vector<double> limits_um;  // of bands; there are none where rows are grey
+  std::vector<size_t> columns;    // by field of a line
+  std::vector<double> limits_um;  // between bands; empty where rows are grey
   bool has_bands = false;
   static std::vector<std::string> emissivitiesOf(const Fields& fields) {
     std::vector<std::string> all{fields.begin() + kFirstBand, fields.end()};
@@ -36,7 +36,7 @@ struct Header {
   size_t columnCount() const { return kFirstBand + (has_bands ? limits_um.size() + 1 : 0); }
 };
 
-// Reads "emissivity:2.5-8" or "emissivity:8-inf".
+// Reads the band in "emissivity:2.5-8" or "emissivity:8-inf".
 Band readBand(const std::string& name, const FilePlace& place) {
   const std::string limits = name.substr(std::string(kBandPrefix).size());
   const size_t dash = limits.find('-');
@@ -51,7 +51,7 @@ Band readBand(const std::string& name, const FilePlace& place) {
   return band;
 }
 
-// Gives bands their columns, in order, where they fill all wavelengths.
+// Assigns columns to bands in the order of wavelength. Refuses bands that overlap or leave a gap.
 void settleBands(const std::vector<std::pair<Band, size_t>>& bands, const FilePlace& place, Header& header) {
   double end = 0;
   for (size_t found = 0; found < bands.size(); ++found) {
@@ -67,7 +67,7 @@ void settleBands(const std::vector<std::pair<Band, size_t>>& bands, const FilePl
       "bands of emissivity do not follow one another from 0 to inf, at {} um; give each wavelength one band", end));
 }
 
-// Returns the column of each field of the header.
+// Reads the header: the column of each field, and the bands.
 Header readHeader(const std::vector<std::string>& names, const FilePlace& place) {
   Header header;
   std::vector<std::pair<Band, size_t>> bands;
@@ -110,7 +110,7 @@ Material readMaterial(const Fields& fields, const FilePlace& place) {
   Material material;
   for (size_t k = kFirstBand; k < fields.size(); ++k)
     material.band_emissivities.push_back(readEmissivity(fields[k], place));
-  if (material.band_emissivities.size() == 1) {  // of all wavelengths
+  if (material.band_emissivities.size() == 1) {  // one band is all wavelengths
     material.emissivity = material.band_emissivities.front();
     material.band_emissivities.clear();
   } else if (material.band_emissivities.empty()) material.emissivity = readEmissivity(fields[kEmissivity], place);
@@ -126,7 +126,7 @@ Material readMaterial(const Fields& fields, const FilePlace& place) {
 constexpr const char* kAbove = "environment:up";
 constexpr const char* kBelow = "environment:down";
 
-// The environment's temperatures, by the names of their lines.
+// EnvironmentLines hold the temperatures on the lines `environment`, `environment:up` and `environment:down`.
 struct EnvironmentLines {
   std::optional<double> whole, up, down;
   std::optional<double>* find(const std::string& name) {
@@ -145,7 +145,7 @@ double readEnvironment(const Fields& fields, const FilePlace& place, const std::
   return readTemperature(fields[kTemperature], place);
 }
 
-// One part alone leaves the other to the line `environment`.
+// Sets the environment's temperatures. Where only one part has a line, `environment` gives the other part's.
 void settleEnvironment(const EnvironmentLines& lines, const FilePlace& place, MaterialTable& table) {
   if (!lines.up && !lines.down) {
     table.environment_temperature = lines.whole;

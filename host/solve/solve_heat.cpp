@@ -1,4 +1,4 @@
-// Solves the grey, diffuse enclosure: docs/solve.md.
+// solveHeat() solves the grey, diffuse enclosure: docs/solve.md.
 #include <viewpeel/solve.h>
 
 #include <cmath>
@@ -20,15 +20,15 @@ using Eigen::VectorXd;
 double emissivePower(double temperature) { return kStefanBoltzmann * std::pow(temperature, 4); }
 double temperatureOf(double emissive_power) { return std::pow(emissive_power / kStefanBoltzmann, 0.25); }
 
-// Where E = s T^4, dT = dE / (4 s T^3); the error of a temperature near 0 is that of the emissive power's root.
+// Returns a temperature with its standard error: E = s T^4, so dT = dE / (4 s T^3).
 Measured temperatureOf(const Measured& emissive_power) {
   const double temperature = temperatureOf(emissive_power.value);
   const double slope = 4 * kStefanBoltzmann * std::pow(temperature, 3);
   return {temperature, emissive_power.standard_error == 0 ? 0 : emissive_power.standard_error / slope};
 }
 
-// Returns the emissive power that all others are measured from: the environment's, which then drops out of the
-// equations, or the sky's.
+// Returns the emissive power that is subtracted from all others: of the environment, of the sky, or of the first given
+// temperature. Environment or sky then drop out of the equations.
 double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
   if (closed.is_open && enclosure.sky_and_ground) return emissivePower(enclosure.sky_and_ground->up);
   if (closed.is_open && enclosure.environment_temperature) return emissivePower(*enclosure.environment_temperature);
@@ -37,8 +37,8 @@ double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
   return 0;
 }
 
-// A Solver has radiosities and irradiations less one emissive power, so that rows of nearly one temperature lose no
-// digits.
+// A Solver subtracts one emissive power from radiosities and irradiations, so that rows of nearly equal temperatures
+// lose no digits.
 class Solver {
  public:
   Solver(const FormFactors& form_factors, const Enclosure& enclosure)
@@ -64,7 +64,7 @@ class Solver {
     h_ = irradiation_->solve(closed_.pairs * source_ + closed_.environment.cwiseProduct(outside_.power));
     b_ = source_ + reflectivity_.cwiseProduct(h_);
     errors_.emplace(form_factors, closed_, *irradiation_, b_, outside_);
-    // Pairs without an entry have no part in bounds of answers.
+    // Bounds on answers need an interval for every pair: pairs without an entry must be 0.
     if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
       bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
   }
@@ -101,7 +101,7 @@ class Solver {
     const Material& material = enclosure_.materials[i];
     return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
   }
-  // Returns the change of the heat flux with the irradiation.
+  // Returns the change of the heat flux with the irradiation, for a given temperature or heat flux.
   double fluxSlope(uint32_t i) const {
     return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
   }
@@ -109,7 +109,7 @@ class Solver {
 
   Measured temperatureAt(double power, double error, const std::string& name) const {
     const double emissive_power = power + shift_;
-    if (!(emissive_power >= 0) && emissive_power > -1e-9 * (std::abs(power) + shift_)) return {0, 0};  // rounding
+    if (!(emissive_power >= 0) && emissive_power > -1e-9 * (std::abs(power) + shift_)) return {0, 0};  // by rounding
     if (!(emissive_power >= 0))
       throw Error(ErrorCode::bad_input,
                   fmt::format("'{}' would have to emit {:.4g} W/m2, less than nothing: its heat flux takes more than "
@@ -136,7 +136,7 @@ class Solver {
     return row;
   }
 
-  // How far a temperature is off where the emissive power is off by no more than a bound.
+  // Returns the largest error of a temperature whose emissive power is off by at most `bound`.
   static double temperatureBound(double temperature, double bound) {
     if (!(bound > 0)) return 0;
     const double power = emissivePower(temperature);

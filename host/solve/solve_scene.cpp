@@ -12,7 +12,7 @@ namespace viewpeel {
 namespace {
 
 constexpr double kFirstTolerance = 0.02, kLeastTolerance = 2e-6;
-// The error of answers is a little below that of the last run's in proportion, so that chance seldom asks for one more.
+// The next tolerance aims below the goal for the answers' error, so that chance seldom makes another run necessary.
 constexpr double kMargin = 0.8, kMostReduction = 1e-2, kLeastReduction = 0.7;
 
 const char* unitOf(HeatTolerance::Of of) {
@@ -26,7 +26,7 @@ void requireUnknownTemperatures(const Enclosure& enclosure) {
                 "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
 }
 
-// Measures sky and ground apart to the tolerance of the form factors.
+// Measures form factors to sky and ground separately, at the tolerance of the other form factors.
 void measureParts(const Scene& scene, const MaterialTable& materials, const Request& request, const Observer& observer,
                   Enclosure& enclosure) {
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
@@ -41,12 +41,12 @@ void measureParts(const Scene& scene, const MaterialTable& materials, const Requ
 SceneHeat solveOnce(const Scene& scene, const MaterialTable& materials, Enclosure& enclosure, const Request& request,
                     const Observer& observer) {
   Request estimated = request;
-  // Answers have standard errors; a guarantee by request.goal bounds them.
+  // Estimates have standard errors, from which errors of answers follow. A guarantee on request gives bounds.
   if (!std::holds_alternative<EpsilonDelta>(request.goal)) estimated.promise = request.promise.value_or(false);
   Result result = computeFormFactors(scene, estimated, observer);
   if (result.interrupted && result.replicates < 2)
     throw Error(ErrorCode::limit, "the run was stopped before its form factors had errors; let it run longer");
-  // Those of common directions leave out pairs that no line met, which have a bound, too.
+  // Intervals of common directions have no entry for pairs that no line met, so answers get no bounds from them.
   const bool has_all_intervals = result.guarantee && result.guarantee->by == GuaranteedBy::chernoff;
   const FormFactors& found = result.form_factors;
   if (enclosure.sky_and_ground && result.environment_share > 0)

@@ -1,4 +1,4 @@
-// What rows of all enclosures are summed up to.
+// These functions add up rows for all kinds of enclosures.
 #pragma once
 #include <cmath>
 #include <vector>
@@ -7,7 +7,7 @@
 
 namespace viewpeel {
 
-// Returns the rows of each surface.    In: surface_count: surfaces that have names
+// Returns the rows of each surface.    In: surface_count: number of surfaces
 inline std::vector<std::vector<uint32_t>> rowsOfSurfaces(const Ids& ids, size_t surface_count) {
   std::vector<std::vector<uint32_t>> rows(surface_count);
   for (uint32_t i = 0; i < ids.count(); ++i)
@@ -15,7 +15,7 @@ inline std::vector<std::vector<uint32_t>> rowsOfSurfaces(const Ids& ids, size_t 
   return rows;
 }
 
-// Sets the balance of rows, and of the heat flow to the environment.
+// Sets the sum of all heat flows, of rows and to the environment, which ought to be 0.
 inline void balance(HeatSolution& found) {
   double flow = -found.to_environment.value;
   found.heat_flow_total = std::abs(found.to_environment.value) / 2;

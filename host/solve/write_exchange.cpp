@@ -1,4 +1,4 @@
-// Exchange factors as tables, and as conductors of thermal networks.
+// writeExchange() writes exchange factors as tables, and as conductors of thermal networks.
 //   Sources: ESATAN-TMS's model files, $CONDUCTORS; SINDA's, HEADER CONDUCTOR DATA, where a negative number makes a
 //   conductor radiative.
 #include <viewpeel/solve.h>
@@ -26,7 +26,7 @@ void writeTable(const ExchangeFactors& factors, bool is_gebhart, std::ostream& o
   }
 }
 
-// A name of any kind within a comment of one line.
+// Returns a name without control characters, for a comment of one line.
 std::string oneLine(std::string name) {
   for (char& c : name)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

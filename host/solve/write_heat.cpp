@@ -39,7 +39,7 @@ void writeHeat(const HeatSolution& solution, By by, std::ostream& out) {
     print(row.heat_flow, &HeatBounds::heat_flow);
     out << '\n';
   }
-  // What leaves the scene is what its surroundings absorb: their heat flow is below 0.
+  // The surroundings absorb the heat that leaves the scene, so their heat flow has the opposite sign.
   const auto printOutside = [&](const char* name, const Measured& flow) {
     fmt::print(out, "{},,1,{}{},{}{}\n", name, has_bounds ? ",,,,,,,,,,,," : ",,,,,,,,", -flow.value,
                flow.standard_error, has_bounds ? "," : "");
