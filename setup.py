@@ -1,6 +1,6 @@
 """Builds the Python module by CMake: `pip install . --no-build-isolation --no-deps` (docs/python.md).
 
-VIEWPEEL_BUILD_DIR=build/release takes the library from a build tree that is there, in place of compiling it anew.
+VIEWPEEL_BUILD_DIR=build/release uses the library of an existing build tree instead of compiling it again.
 """
 
 import os
@@ -18,7 +18,7 @@ ROOT = Path(__file__).parent.resolve()
 
 
 class CMakeBuild(build_ext):
-    """Configures and builds the one target, and puts the module where setuptools wants it."""
+    """Builds the CMake target viewpeel_python, and copies the module to where setuptools expects it."""
 
     def build_extension(self, extension):
         given = os.environ.get("VIEWPEEL_BUILD_DIR")

@@ -11,11 +11,11 @@ async function bundle(entry, options) {
   return result.outputFiles[0].text.trim();
 }
 
-// No text of the bundle may end its element.
+// Script and style must not contain the tag that would end their element.
 const script = (await bundle('src/main.ts', { format: 'iife' })).replaceAll('</script', '<\\/script');
 const style = await bundle('src/page.css', { loader: { '.css': 'css' } });
 const hashOf = (text) => `'sha256-${createHash('sha256').update(text).digest('base64')}'`;
-// The page's own script and style run, and nothing else; nothing is fetched.
+// Only this script and this style may run, and the page loads nothing else.
 const policy = `default-src 'none'; script-src ${hashOf(script)}; style-src ${hashOf(style)}; img-src data: blob:; base-uri 'none'; form-action 'none'`;
 const page = readFileSync('src/page.html', 'utf8')
   .replace('<!--policy-->', () => policy)
@@ -24,7 +24,7 @@ const page = readFileSync('src/page.html', 'utf8')
 if (page.split(GAP).length !== 2) throw new Error(`page/build.mjs: ${GAP} has to stand once in the page`);
 
 const bytes = Buffer.from(page, 'utf8');
-// A ? could begin a trigraph.
+// A ? is escaped, too, for it could begin a trigraph of C++.
 const literal = (part) =>
   `"${Array.from(part, (byte) =>
     byte === 34 || byte === 92 ? `\\${String.fromCharCode(byte)}` : byte < 32 || byte > 126 || byte === 63 ? `\\${byte.toString(8).padStart(3, '0')}` : String.fromCharCode(byte),

@@ -57,7 +57,7 @@ int runCheck(const CheckCommand& command) {
   for (const std::string& warning : scene.warnings) warn(warning);
   if (!command.two_sided)
     for (const std::string& warning : warnOfBacks(scene)) warn(warning);
-  // Where polygons pass through each other no order along a line exists, and nothing to compare with.
+  // Polygons that pass through each other have no order along a line, so there is nothing to check.
   const auto interpenetrations = findInterpenetrations(scene);
   constexpr size_t kMostNamed = 10;
   for (size_t k = 0; k < std::min(interpenetrations.size(), kMostNamed); ++k)

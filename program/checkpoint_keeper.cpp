@@ -48,7 +48,7 @@ void requireNewCheckpoint(const std::string& file) {
 
 CheckpointKeeper::CheckpointKeeper(const CheckpointOptions& options, FormFactorRun& run)
     : options_(options), pause_(options.seconds_apart) {
-  run.settings();  // refuses runs that checkpoints cannot keep
+  run.settings();  // refuses runs that a checkpoint cannot hold
   if (!options_.resume || !std::filesystem::exists(options_.file)) {
     requireNewCheckpoint(options_.file);
     return;

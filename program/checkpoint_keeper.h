@@ -1,4 +1,4 @@
-// A CheckpointKeeper does the work of --checkpoint and --resume.
+// A CheckpointKeeper writes and reads the checkpoint of a run, for --checkpoint and --resume.
 #pragma once
 #include <chrono>
 #include <string>
@@ -12,32 +12,33 @@
 namespace viewpeel::program {
 
 struct CheckpointOptions {
-  std::string file;  // empty: none is kept
+  std::string file;  // empty: there is no checkpoint
   bool resume = false;
   double seconds_apart = 10;
 };
 
 void addCheckpointOptions(CLI::App* command, CheckpointOptions& options);
 
-// Makes sure that no file is written over by mistake.    Throws: Error bad_usage where there is such a file, or none
-// can be written.
+// Refuses to overwrite an existing file by mistake.    Throws: Error bad_usage where the file exists or cannot be
+// written.
 void requireNewCheckpoint(const std::string& file);
 
 // Keeps the checkpoint of one run up to date.
 class CheckpointKeeper {
  public:
-  // Lets the run go on from its checkpoint, where there is one. Call it before the run's plan.
-  //   Throws: Error bad_usage where there is a file without --resume, it is of another run, another run is keeping it,
-  //     or none can be written; as FormFactorRun::resumeFrom.
+  // Lets the run continue from its checkpoint, if there is one. Call it before the run's plan.
+  //   Throws: Error bad_usage where the file exists without --resume, belongs to another run, is in use by another run,
+  //   or
+  //    cannot be written; as FormFactorRun::resumeFrom.
   CheckpointKeeper(const CheckpointOptions& options, FormFactorRun& run);
 
-  // Returns one line about the checkpoint found.
+  // Returns a line about the checkpoint that was found.
   std::string describe() const;
 
-  // Writes where the last time is long enough ago, or `last`. A failure is a warning: the run is worth more than its
-  // checkpoint. A file that another run has put there is left alone.
+  // Writes the checkpoint if enough time has passed since the last one, or if `last`. A failure is only a warning, for
+  // the run is worth more than its checkpoint. A file that another run has put in its place is left alone.
   void keep(const FormFactorRun& run, bool last);
-  // Returns false where the last attempt failed.
+  // Returns whether the last attempt to write succeeded.
   bool isKept() const { return is_kept_; }
 
  private:
@@ -45,8 +46,8 @@ class CheckpointKeeper {
   using Seconds = std::chrono::duration<double>;
 
   CheckpointOptions options_;
-  std::string found_;  // replicates to go on after, in words; empty where the run starts afresh
-  FileLock lock_;      // on the file that was read or written last
+  std::string found_;  // replicates that the file has, as text; empty where the run starts afresh
+  FileLock lock_;      // of the file that was read or written last
   Clock::time_point written_ = Clock::now();
   Seconds pause_;  // between writes
   bool is_kept_ = true;

@@ -1,4 +1,4 @@
-// The command line stands in results, so that they say how to make them again.
+// Results contain the command line that made them, so that they can be made again.
 #pragma once
 #include <string>
 #include <vector>
@@ -9,21 +9,21 @@ class App;
 
 namespace viewpeel::program {
 
-// Keeps what the program was called with.
+// Stores the arguments of the program.
 void keepCommandLine(int argc, const char* const* argv);
-// Keeps the subcommand and its options, as parsed.
+// Stores the subcommand and its options, as they were parsed.
 void keepOptions(const CLI::App& app);
 
-// Returns the command line in a form that a shell takes: "viewpeel compute 'my room.obj' --tolerance 1e-3".
+// Returns the command line as a shell accepts it: "viewpeel compute 'my room.obj' --tolerance 1e-3".
 std::string commandLine();
-// Returns the name of the subcommand; empty before one is known.
+// Returns the name of the subcommand; empty before it is parsed.
 const std::string& commandName();
 
-// A GivenOption is an option of the subcommand with the values that it was given, or those that it has without.
+// A GivenOption is an option of the subcommand with its values: those on the command line, or else the default.
 struct GivenOption {
-  std::string name;  // without dashes; of an argument, its name
+  std::string name;  // of an option without dashes, or of an argument
   std::vector<std::string> values;
-  bool is_flag = false, is_text = false;  // text: a name or file, even where it looks like a number
+  bool is_flag = false, is_text = false;  // is_text: a name or file, even if it looks like a number
 };
 const std::vector<GivenOption>& givenOptions();
 

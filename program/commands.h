@@ -1,5 +1,5 @@
-// The program has these subcommands, one file each. Each adds itself to the command line and returns the function that
-// runs it.
+// The program has these subcommands, one file each. Each add function defines a subcommand and its options, and sets
+// the function that runs it.
 #pragma once
 #include <functional>
 
@@ -7,13 +7,13 @@
 
 namespace viewpeel::program {
 
-// Exit statuses; 0 is success, and a run that a signal stopped ends with 128 and the signal's number.
+// The exit status is 0 for success, one of these, or 128 and the number of the signal that stopped a run.
 constexpr int kFailed = 1, kBadUsage = 2, kGoalMissed = 3;
 
 // Runs a subcommand and returns the exit status.
 using Run = std::function<int()>;
 
-// Sets `chosen` to the subcommand's Run when the command line names it.
+// Sets `chosen` to the subcommand's Run if the command line names it.
 void addCompute(CLI::App& app, Run& chosen);
 void addPlan(CLI::App& app, Run& chosen);
 void addCheck(CLI::App& app, Run& chosen);

@@ -5,10 +5,10 @@
 namespace viewpeel::program {
 namespace {
 
-// Returns the case of a command: its options, and what follows those that take a value.
+// Returns the branch of bash's `case` for a command: its options, and how their values are completed.
 std::string caseOf(const CommandEntry& command) {
   std::string names, values;
-  std::vector<std::string> free;  // what follows these is any word
+  std::vector<std::string> free;  // options whose value may be any word
   for (const OptionEntry& option : optionsOf(command)) {
     for (const std::string& name : option.names) names += " " + name;
     if (option.isFlag()) continue;
@@ -62,7 +62,7 @@ std::string completeBash(const CommandEntry& program) {
     names += (names.empty() ? "" : " ") + command.name;
     cases += caseOf(command);
   }
-  // A file in place of a command is a scene to compute.
+  // Where a file stands in place of a command, the command is compute.
   return fmt::format(
       "{}  local commands='{}'\n  [[ \" $commands \" == *\" $command \"* ]] || command=compute\n"
       "  case $command in\n{}  esac\n{}",

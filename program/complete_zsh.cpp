@@ -5,7 +5,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Puts a backslash before the characters that end a part of an argument's specification.
+// Puts a backslash before the characters that have a meaning in zsh's specification of an argument.
 std::string escape(const std::string& text) {
   std::string escaped;
   for (char c : text) {
@@ -23,7 +23,7 @@ std::string valueOf(const OptionEntry& option) {
   return fmt::format(":{}:{}", escape(option.value), words);
 }
 
-// Returns the specifications of an option, one for each of its names.
+// Returns zsh's specifications of an option, one for each of its names.
 std::string specify(const OptionEntry& option) {
   std::string text;
   for (const std::string& name : option.names) {

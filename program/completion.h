@@ -1,4 +1,4 @@
-// Completion of the command line in shells, and the man page: texts made of the option table.
+// Scripts that complete the command line in shells, and the man page, are made from the option table.
 #pragma once
 #include <string>
 
@@ -6,7 +6,7 @@
 
 namespace viewpeel::program {
 
-// Each returns a script that completes commands, options, their words and files.
+// Each of these returns a script that completes commands, options, values and files.
 //   In: program: the table of all commands
 std::string completeBash(const CommandEntry& program);
 std::string completeZsh(const CommandEntry& program);
@@ -15,10 +15,10 @@ std::string completeFish(const CommandEntry& program);
 // Returns the man page viewpeel.1 (macros of man(7)).
 std::string manPage(const CommandEntry& program);
 
-// Returns the start of an option's text, for a list in which each option has one line.
+// Returns the first part of an option's description, for lists with one line an option.
 std::string shortText(const std::string& text);
 
-// Returns all options of a command, group by group.
+// Returns all options of a command, in the order of their groups.
 std::vector<OptionEntry> optionsOf(const CommandEntry& command);
 
 // Returns the text in single quotes, as bash and zsh read it.

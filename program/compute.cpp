@@ -26,7 +26,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Says on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
+// Prints on stderr, in one line, how much of a stopped run is kept. Returns the exit status.
 int reportInterruption(const ComputeOptions& options, uint64_t replicates) {
   std::string left;
   if (options.keepsCheckpoint() && replicates > 0)
@@ -53,7 +53,7 @@ void warnOfGoal(const Request& request, const Result& result) {
                     request.relative_floor, *relative));
 }
 
-// Says on stderr that time was up before the goal was reached. Returns the exit status.
+// Prints on stderr that time was up before the goal was reached. Returns the exit status.
 int reportMissedGoal(const Result& result) {
   complain(fmt::format(
       "the goal was not reached in time: largest standard error {:.1e}; give more --seconds, or a coarser goal",
@@ -61,7 +61,7 @@ int reportMissedGoal(const Result& result) {
   return kGoalMissed;
 }
 
-// A Delivery is what files and --json get of a result.
+// A Delivery is the part of a result that files and --json get: without form factors below --drop-below, with guesses.
 struct Delivery {
   std::optional<DroppedBelow> below;
   std::vector<std::pair<uint32_t, uint32_t>> guesses;
@@ -72,7 +72,7 @@ struct Delivery {
   }
 };
 
-// Refers to its arguments.
+// Returns what files are made of. It refers to the arguments, which have to outlive it.
 OutputContent contentOf(const ComputeOptions& options, const Result& result, const FormFactorRun& run,
                         const Scene& scene, const Delivery& delivery) {
   auto parameters = parametersOf(run, result);
@@ -88,8 +88,8 @@ OutputContent contentOf(const ComputeOptions& options, const Result& result, con
           .dropped = delivery.below ? &delivery.below->dropped : nullptr};
 }
 
-// Where balancing is refused, form factors are written as measured.
-//   In: may_ask: for another place where one cannot be written
+// Writes the outputs. Where balancing is refused, form factors are written as measured.
+//   In: may_ask: whether to ask on the terminal for another place where a file cannot be written
 void write(const ComputeOptions& options, const Result& result, const OutputContent& content, bool may_ask) {
   const std::string remedy =
       options.keepsCheckpoint()
@@ -133,7 +133,7 @@ void printResult(const ComputeOptions& options, const Result& result, const Outp
   fmt::print("{}", describeWritten(options.files));
 }
 
-// Writes and prints the results. Returns the exit status.
+// Writes the outputs and prints a summary. Returns the exit status.
 int conclude(const ComputeOptions& options, const Result& result, const FormFactorRun& run, const Scene& scene,
              bool is_kept, const std::string& first_division, ProgressLine& progress) {
   warnOfGoal(options.request, result);
@@ -153,7 +153,7 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
   return status;
 }
 
-// Writes what there is, after SIGUSR1, and says so on stderr. The run goes on where that fails.
+// Writes the result so far, after SIGUSR1, and reports it on stderr. If that fails, the run continues.
 void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const Scene& scene) {
   const std::string counted_so_far = counted(run.replicateCount(), "replicate");
   if (run.replicateCount() < 2) {
@@ -170,7 +170,7 @@ void writeSoFar(const ComputeOptions& options, const FormFactorRun& run, const S
   }
 }
 
-// Plans, and says so. False where the run was stopped meanwhile.
+// Plans the run and prints the plan. Returns false where the run was stopped meanwhile.
 bool prepare(const ComputeOptions& options, FormFactorRun& run, const CheckpointKeeper* keeper,
              const ProgressLine& progress) {
   run.makePlan();
@@ -187,8 +187,8 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, const Checkpoint
   return !run.isInterrupted();
 }
 
-// Counts to the end, and keeps the counts.
-//   In: conclude_early: ends a run that was stopped; show: writes the results so far
+// Counts until the run ends, and keeps the checkpoint up to date.
+//   In: conclude_early: called for a run that was stopped; show: called to write the result so far
 void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early,
            const std::function<void()>& show) {
   const auto keep = [&](bool last) {

@@ -10,7 +10,7 @@
 namespace viewpeel::program {
 namespace {
 
-// With --closure the balanced matrix is also written under the name that version 0.1 gave it.
+// With --closure the balanced matrix is written once more, under the name that version 0.1 used.
 std::vector<std::string> olderFilesOf(const std::vector<std::string>& outputs) {
   std::vector<std::string> files;
   for (const std::string& output : outputs)
@@ -28,7 +28,7 @@ std::vector<PlannedFile> filesOf(const ComputeOptions& options) {
   return planFiles(names);
 }
 
-// Checkpoints keep estimates.
+// Turns a promise off, for checkpoints hold estimates only.
 void leaveOutPromise(Request& request) {
   if (request.promise.value_or(false))
     throw Error(ErrorCode::bad_usage, "--checkpoint keeps no promise; leave out one of --checkpoint and --promise on");

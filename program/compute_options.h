@@ -1,4 +1,4 @@
-// Commands `compute` and `plan` take the same options, so that a command line can be tried.
+// Commands `compute` and `plan` take the same options, so that the plan of a run can be seen first.
 #pragma once
 #include <functional>
 #include <memory>
@@ -16,11 +16,11 @@ struct ComputeOptions {
   std::string scene, groups;
   Request request;
   OutputOptions output;
-  std::vector<std::string> older_files;  // NAME.closed.mtx, of --closure
-  std::vector<PlannedFile> files;        // all that are to be written, as they are before the run
+  std::vector<std::string> older_files;  // NAME.closed.mtx files, for --closure
+  std::vector<PlannedFile> files;        // all files to be written, and whether each exists before the run
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
-  bool older_names = false;  // of what --balance writes
+  bool older_names = false;  // whether balanced form factors also get their older names
 
   bool talks() const { return !quiet && !json && !output.to_stdout; }
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
@@ -28,13 +28,13 @@ struct ComputeOptions {
 };
 
 // Adds all options of `compute`.
-//   Out: a function that settles the options once they are read    Throws (the function): Error bad_usage for options
-//     that contradict each other.
+//   Out: a function that settles the options after parsing    Throws (the function): Error bad_usage for options that
+//      contradict each other.
 std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* command);
 
-// Makes sure that the outputs and the checkpoint can be written.    Throws: Error bad_usage.
+// Refuses outputs and checkpoints that cannot be written.    Throws: Error bad_usage.
 void checkFiles(const ComputeOptions& options);
-// Makes sure that the scene has what is to be shown, and rows that the formats of the outputs can have.
+// Refuses a scene without the surfaces of --show, or with rows that an output's format cannot hold.
 //   Throws: Error bad_usage.
 void checkScene(const ComputeOptions& options, const Scene& scene);
 

@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kMostRows = 30;
 constexpr double kRounding = 1e-8;
 
-// Writes a value to the second digit of its standard error: "351.02 +- 1.4e-01".
+// Returns a value to the second digit of its standard error: "351.02 +- 1.4e-01".
 std::string inDigits(const Measured& value) {
   if (!(value.standard_error > kRounding * std::abs(value.value))) return fmt::format("{:.6g}", value.value);
   const double last = std::floor(std::log10(value.standard_error)) - 1;

@@ -1,4 +1,4 @@
-// The program prints this summary of heat flows and temperatures.
+// describeHeat() writes the program's summary of heat flows and temperatures.
 #pragma once
 #include <string>
 
@@ -6,8 +6,8 @@
 
 namespace viewpeel::program {
 
-// Tabulates the surfaces with the largest heat flows, then the balance, errors, and what rows lack.
-//   In: by: whose errors are meant
+// Returns a table of the surfaces with the largest heat flows, then the balance, errors, and lacks of rows.
+//   In: by: whether errors are stated for polygons or surfaces
 std::string describeHeat(const HeatSolution& solution, By by);
 
 }  // namespace viewpeel::program

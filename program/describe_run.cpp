@@ -76,7 +76,7 @@ std::string describeLineGuarantee(const Request& request, const PlanSummary& pla
   return text;
 }
 
-// Describes the figures from pilots: nothing for a plan that the options fix.
+// Returns the errors and times that pilots predict; empty where options fix the plan.
 std::string describeExpectation(const Request& request, const PlanSummary& plan) {
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;

@@ -1,4 +1,4 @@
-// The program prints these descriptions of a run: device and scene, plan, visibilities.
+// These functions describe a run for the program's output: device and scene, plan, visibilities.
 #pragma once
 #include <string>
 
@@ -8,7 +8,7 @@ namespace viewpeel::program {
 
 // Describes device and scene.
 std::string describePlace(const FormFactorRun& run, const Scene& scene);
-// Describes a plan's promise, and the options for the same run again; several lines.
+// Describes a plan: what it promises, and options that repeat the same run; several lines.
 std::string describePlan(const FormFactorRun& run);
 std::string describePrior(const PriorSummary& prior);
 

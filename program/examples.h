@@ -1,4 +1,4 @@
-// Examples in --help and in the man page. Each runs as it stands in the folder scenes/ (tests/program/help_test).
+// These examples are shown in --help and in the man page. Each runs in the folder scenes/ (tests/program/help_test).
 #pragma once
 #include <string>
 #include <vector>

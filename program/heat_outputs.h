@@ -1,4 +1,4 @@
-// The options -o and --exchange of solve name these files.
+// The options -o and --exchange of `solve` name the files of this header.
 #pragma once
 #include <optional>
 #include <string>
@@ -9,19 +9,19 @@
 
 namespace viewpeel::program {
 
-// Returns the file of exchange factors beside an output: NAME.exchange.csv beside NAME.csv. Conductors have endings of
-// their own.
+// Returns the file of exchange factors beside an output: NAME.exchange.csv beside NAME.csv. The extension depends on
+// the kind.
 std::string exchangeFileOf(const std::string& output, ExchangeKind kind);
 
-// Returns the names of all files that solve writes: each output, followed by its exchange factors where they are
+// Returns the names of all files that solve writes: each output, followed by its exchange factors if they are
 // requested.
 std::vector<std::string> heatFilesOf(const std::vector<std::string>& outputs, std::optional<ExchangeKind> exchange);
 
-// Refuses files that cannot be written, and names that occur twice, before anything is computed.
+// Refuses files that cannot be written, and names that occur twice, before the computation.
 //   In: has_scene: whether the outputs will have the scene    Throws: Error bad_usage.
 void checkHeatOutputs(const std::vector<std::string>& outputs, std::optional<ExchangeKind> exchange, bool has_scene);
 
-// Writes the answers in content.heat: to .csv alone, to .h5, .html and .vtp with the form factors.
+// Writes the answers in content.heat: alone in a .csv, with the form factors in .h5, .html and .vtp.
 void writeHeatOutputs(const OutputContent& content, By by, const std::vector<std::string>& outputs);
 
 }  // namespace viewpeel::program

@@ -15,7 +15,7 @@ constexpr size_t kWidth = 80, kTextColumn = 22;
 std::string describe(const OptionEntry& option) {
   std::string line = fmt::format("  {}", fmt::join(option.names, ", "));
   if (!option.isFlag()) line += " " + option.value;
-  // A long option has a line of its own.
+  // The description of a long option begins on the next line.
   if (line.size() + 2 > kTextColumn) line += "\n" + std::string(kTextColumn, ' ');
   else line.resize(kTextColumn, ' ');
   return line + wrap(option.text, kTextColumn, kTextColumn) + "\n";

@@ -15,19 +15,19 @@
 namespace viewpeel::program {
 namespace {
 
-constexpr std::chrono::milliseconds kGrace(1500);  // of the two seconds in which a run ends; the rest is for writing
+constexpr std::chrono::milliseconds kGrace(1500);  // a run ends within two seconds of a signal; the rest is for writing
 
-std::atomic<int> received = 0, looks = 0;              // looks: 1 after SIGUSR1
-static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler may touch it
+std::atomic<int> received = 0, looks = 0;              // looks: number of SIGUSR1 not yet handled, 0 or 1
+static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler may use it
 sem_t word;
 
 struct Watch {
   std::function<int()> first_end, end;
   std::atomic<bool> has_results = false;
-  std::atomic<bool> is_ending = false;  // one of the threads has taken it upon itself
-  std::mutex at_work;                   // held by the run, but not while another thread may end it
+  std::atomic<bool> is_ending = false;  // one of the two threads is ending the program
+  std::mutex at_work;                   // held by the run, except while the other thread may end it
 };
-Watch* watch = nullptr;  // never destroyed: the other thread outlives main
+Watch* watch = nullptr;  // never destroyed, for the other thread outlives main
 
 [[noreturn]] void leave(const std::function<int()>& end) {
   int status = 1;
@@ -37,7 +37,7 @@ Watch* watch = nullptr;  // never destroyed: the other thread outlives main
     fmt::print(stderr, "viewpeel: {}\n", error.what());
   }
   std::fflush(nullptr);
-  ::_exit(status);  // the device may be busy for long: nothing that waits for it is called
+  ::_exit(status);  // without waiting for the device, which may be busy for long
 }
 
 void watchForWord() {

@@ -1,31 +1,31 @@
-// A computation whose outcome is kept handles Ctrl-C, kill and a lost terminal by these functions.
+// A command that keeps its result handles Ctrl-C, kill and a closed terminal by these functions.
 #pragma once
 #include <functional>
 
 namespace viewpeel::program {
 
-// From here on SIGINT, SIGTERM and SIGHUP (a terminal that is gone) only set interruption(). Another thread ends a run
-// that does not end within 1.5 s, as in a long batch on the device or while a large scene is read. It calls `end`, or
-// the latest function from offerResults, and leaves the program with the status that this returns. A second signal ends
-// the program at once, as ever. SIGHUP stays ignored where it was, as under nohup. SIGUSR1 only sets wantsResults().
+// After this call SIGINT, SIGTERM and SIGHUP (a closed terminal) only set interruption(), and the run ends itself.
+// Another thread waits 1.5 s, for the run may be within a long batch on the device or reading a large scene. It then
+// calls `end`, or the latest function from offerResults, and exits with the returned status. A second signal ends the
+// program at once. An ignored SIGHUP, as under nohup, stays ignored. SIGUSR1 only sets wantsResults().
 void holdInterrupts(std::function<int()> end);
 
-// Returns the signal that came; 0 where none did. Any thread may call it, often.
+// Returns the signal that was received; 0 where none was. Any thread may call it, often.
 int interruption();
-// Returns its name: "SIGINT".
+// Returns that signal's name: "SIGINT".
 const char* interruptionName();
 
-// Returns true once after each SIGUSR1: the results so far are to be written, and the run goes on.
+// Returns true once after each SIGUSR1, which asks for the results so far without an end of the run.
 bool wantsResults();
 
-// There are results now: between letOthersEnd(true) and letOthersEnd(false) alone the other thread may call `end`, in
-// place of the earlier function. Data that `end` reads stays as it is in between.
+// Replaces the function that the other thread calls: results exist now. It is called only between letOthersEnd(true)
+// and letOthersEnd(false). The caller must not change the data that `end` reads in between.
 void offerResults(std::function<int()> end);
 
-// An engine begins to count, and another thread need not wait for it; or it has done so.
+// Tells the other thread that an engine begins to count, so that it need not wait for the run; or that it has ended.
 void letOthersEnd(bool begins);
 
-// The caller's run comes to its end by itself from here on. Does not return where the other thread has begun to end it.
+// The caller ends the run itself after this call. It does not return where the other thread has begun to end it.
 void endByItself();
 
 }  // namespace viewpeel::program

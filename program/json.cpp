@@ -12,7 +12,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Returns a number where the text is one, else the text.
+// Returns a JSON number where the text is a number, else the text.
 Json valueOf(const std::string& text) {
   Json number = Json::parse(text, nullptr, false);
   return number.is_number() ? number : Json(text);

@@ -1,4 +1,4 @@
-// With --json a subcommand prints one JSON object on standard output, whatever happens; it is valid UTF-8.
+// With --json a subcommand always prints one JSON object on standard output, errors included, in valid UTF-8.
 #pragma once
 #include <string>
 #include <vector>
@@ -13,17 +13,17 @@ namespace viewpeel::program {
 
 using Json = nlohmann::ordered_json;
 
-// Begins the object: version, command, command_line and options.
+// Begins the object with version, command, command_line and options.
 Json startReport();
 
-// Returns the files, each with whether it replaces another one.
+// Returns the files as JSON, each with whether it replaces an existing file.
 Json jsonOf(const std::vector<PlannedFile>& files);
-// Returns names and values in words as an object; numbers become numbers.
+// Returns names and values as an object. Texts that are numbers become numbers.
 Json jsonOf(const std::vector<std::pair<std::string, std::string>>& settings);
 
-// Ends the object with the warnings up to now, and prints it. A byte that is not UTF-8 becomes U+FFFD.
+// Adds the warnings so far and prints the object. A byte that is not UTF-8 becomes U+FFFD.
 void printReport(Json report);
-// The same, with rows and form factors at its end (docs/formats.md).
+// Prints the object like the function above, with rows and form factors at its end (docs/formats.md).
 void printReport(Json report, const OutputContent& content);
 
 }  // namespace viewpeel::program

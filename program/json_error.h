@@ -1,10 +1,10 @@
-// An error is a JSON object, too, where the command line has --json.
+// With --json an error is printed as a JSON object, too.
 #pragma once
 #include <string>
 
 namespace viewpeel::program {
 
-// Returns an object with `error`, one line, and `status`, the exit status; and a newline.
+// Returns a line with an object of two members: `error`, the message, and `status`, the exit status.
 std::string errorAsJson(const std::string& message, int status);
 
 }  // namespace viewpeel::program

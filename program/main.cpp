@@ -26,7 +26,7 @@ int exitStatus(viewpeel::ErrorCode code) {
   return code == viewpeel::ErrorCode::bad_input || code == viewpeel::ErrorCode::bad_usage ? kBadUsage : kFailed;
 }
 
-// Says on stderr what went wrong, and with --json on stdout, too. Returns the exit status.
+// Prints an error on stderr, and with --json also on stdout. Returns the exit status.
 int report(const std::string& message, int status, bool as_json) {
   viewpeel::program::complain(message);
   if (as_json) std::fputs(viewpeel::program::errorAsJson(message, status).c_str(), stdout);
@@ -60,7 +60,7 @@ int main(int argc, char** argv) {
     const bool is_view3d = viewpeel::program::isView3d(argv[0]);
     if (!is_view3d) {
       viewpeel::program::addDefaultCommand(app, arguments);
-      std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // parse takes them from the back
+      std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 parses from the last element
       app.parse(reversed);
       viewpeel::program::keepOptions(app);
     }
@@ -72,10 +72,10 @@ int main(int argc, char** argv) {
                                         std::strerror(errno ? errno : EIO)));
     return status;
   } catch (const CLI::ParseError& error) {
-    if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    if (error.get_exit_code() == 0) return app.exit(error);  // --help and --version
     return report(viewpeel::program::describeMistake(app, arguments, error), kBadUsage, as_json);
   } catch (const viewpeel::Error& error) {
-    // View3D knows one status for all that goes wrong.
+    // View3D has one status for all errors.
     if (viewpeel::program::isView3d(argv[0])) return report(error.what(), kFailed, false);
     return report(error.what(), exitStatus(error.code()), as_json);
   } catch (const std::bad_alloc&) {

@@ -9,8 +9,8 @@
 namespace viewpeel::program {
 namespace {
 
-// Escapes what roff would read as its own: backslashes, hyphens that are typed, quotes, and a dot that starts a word,
-// which may come to a line's start.
+// Escapes the characters that roff would interpret: backslashes, hyphens, quotes, and a dot at the start of a word,
+// since wrapping may put that word at the start of a line.
 std::string escape(const std::string& text) {
   std::string escaped;
   for (char c : text)
@@ -24,7 +24,7 @@ std::string escape(const std::string& text) {
 
 std::string paragraph(const std::string& text) { return wrap(escape(text), 0, 0); }
 
-// Returns an entry of a list: the term in bold, what follows it in italics, and its text.
+// Returns an entry of a list: terms in bold, their value in italics, and a text.
 std::string entry(const std::vector<std::string>& terms, const std::string& value, const std::string& text) {
   std::string line;
   for (const std::string& term : terms) line += (line.empty() ? "\\fB" : ", \\fB") + escape(term) + "\\fR";

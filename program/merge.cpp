@@ -29,7 +29,7 @@ struct MergeCommand {
   bool talks() const { return !quiet && !json && !output.to_stdout; }
 };
 
-// Takes the checkpoint that is there already among those to add up, and locks it.
+// Adds an existing checkpoint of the output's name to the files that are merged, and locks it.
 void addExisting(MergeCommand& command, FileLock& lock) {
   if (!std::filesystem::exists(command.checkpoint)) return;
   if (!lock.take(command.checkpoint))

@@ -9,8 +9,8 @@
 namespace viewpeel::program {
 namespace {
 
-// Returns how many letters have to be put in, left out or changed (V. Levenshtein, Binary codes capable of correcting
-// deletions, insertions, and reversals, 1966), where - and _ are the same.
+// Returns how many letters have to be inserted, deleted or changed (V. Levenshtein, Binary codes capable of correcting
+// deletions, insertions, and reversals, 1966). The letters - and _ count as equal.
 size_t distanceOf(const std::string& a, const std::string& b) {
   const auto areSame = [](char x, char y) { return x == y || (x == '-' && y == '_') || (x == '_' && y == '-'); };
   std::vector<size_t> row(b.size() + 1);
@@ -26,7 +26,7 @@ size_t distanceOf(const std::string& a, const std::string& b) {
   return row.back();
 }
 
-// Returns the word that begins with the given one, or the nearest by at most a third of its letters.
+// Returns the word that begins with `given`, or the nearest word if at most a third of its letters differ.
 std::optional<std::string> nearestOf(const std::string& given, const std::vector<std::string>& words) {
   std::optional<std::string> nearest;
   size_t least = given.size() / 3 + 1;
@@ -57,7 +57,7 @@ std::string suggest(const std::optional<std::string>& nearest) {
   return nearest ? fmt::format("; did you mean {}?", *nearest) : "";
 }
 
-// Returns the first argument that is an option no command has; empty where there is none.
+// Returns the first argument that is an unknown option; empty where there is none.
 std::string unknownOption(const CLI::App& command, const std::vector<std::string>& arguments) {
   const std::vector<std::string> names = optionsOf(command);
   for (const std::string& argument : arguments) {

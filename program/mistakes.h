@@ -1,4 +1,4 @@
-// A command line that cannot be parsed is answered by what is wrong with it and what was meant.
+// These functions explain a command line that cannot be parsed, and guess what was meant.
 #pragma once
 #include <optional>
 #include <string>
@@ -8,12 +8,12 @@
 
 namespace viewpeel::program {
 
-// Puts "compute" before a command line that begins with a scene file in place of a subcommand: `viewpeel room.obj`.
+// Inserts "compute" where the command line begins with a scene file instead of a subcommand: `viewpeel room.obj`.
 //   In: arguments: without the program's name
 void addDefaultCommand(const CLI::App& app, std::vector<std::string>& arguments);
 
-// Returns the one line that says what is wrong, the nearest right word where there is one, and which help to read.
-//   In: arguments: as parsed; error: of that parse
+// Returns one line: the mistake, the nearest correct word if there is one, and the help to read.
+//   In: arguments: as parsed; error: as the parser threw it
 std::string describeMistake(const CLI::App& app, const std::vector<std::string>& arguments,
                             const CLI::ParseError& error);
 

@@ -10,7 +10,7 @@ namespace {
 
 constexpr std::array kGroups = {kWhat, kHowExact, kMethod, kMachine, kLongRuns, kOutput};
 
-// Values that are names of files.
+// Options with these values take the name of a file.
 constexpr std::array kFiles = {"FILE", "SCENE", "RESULT", "CHECKPOINT"};
 
 std::vector<std::string> split(const std::string& words) {
@@ -22,7 +22,7 @@ std::vector<std::string> split(const std::string& words) {
   return parts;
 }
 
-// Returns the names of some options in the order in which the command has them.
+// Returns the names of `some` options, in the order in which the command defines them.
 std::string namesOf(const std::set<CLI::Option*>& some, const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options())
@@ -55,7 +55,7 @@ OptionEntry describeOption(const CLI::Option& option, const CLI::App& command) {
   return entry;
 }
 
-// Returns the place of a group in --help; groups of no known name come last.
+// Returns the place of a group in --help; unknown groups come last.
 size_t placeOf(const std::string& title) { return std::ranges::find(kGroups, title) - kGroups.begin(); }
 
 }  // namespace
@@ -82,10 +82,10 @@ CommandEntry describeCommand(const CLI::App& command) {
       entry.positionals.push_back(describeOption(*option, command));
       continue;
     }
-    // Help stands last in a command, whichever group was current when it was made.
+    // --help is listed last in a command's Output, whatever group was current when it was defined.
     const bool is_help = option == command.get_help_ptr() && command.get_parent();
     const std::string title = is_help ? kOutput : option->get_group();
-    if (title.empty()) continue;  // hidden
+    if (title.empty()) continue;  // a hidden option
     auto group = std::ranges::find(entry.groups, title, &OptionGroup::title);
     if (group == entry.groups.end()) group = entry.groups.insert(entry.groups.end(), {title, {}});
     group->options.push_back(describeOption(*option, command));

@@ -1,5 +1,5 @@
-// The command line as data, for --help, the man page and completion. It is made from the options that read it, so
-// nothing is written twice.
+// The option table describes the command line as data, for --help, the man page and completion. It is read from the
+// parser's options, so each text is written once.
 #pragma once
 #include <string>
 #include <vector>
@@ -12,15 +12,15 @@ namespace viewpeel::program {
 inline constexpr const char *kWhat = "What to compute", *kHowExact = "How exact", *kMethod = "How it is sampled",
                             *kMachine = "Which machine", *kLongRuns = "Long runs", *kOutput = "Output";
 
-// Puts the options that are added to the command next into this group.
+// Puts options that are added to the command from now on into this group.
 void startGroup(CLI::App* command, const char* group);
 
 // OptionEntry is an option, or a positional argument, as a reader sees it.
 struct OptionEntry {
-  std::vector<std::string> names;    // "-o", "--output"; of a positional its name alone
-  std::string value;                 // what follows it: FILE, on|off; empty for a flag and for a positional
-  std::vector<std::string> choices;  // on, off
-  std::string text;                  // one line: what it does, its default, what it needs, what it excludes
+  std::vector<std::string> names;    // "-o", "--output"; for a positional argument its name
+  std::string value;                 // placeholder of its value: FILE, on|off; empty for a flag or positional argument
+  std::vector<std::string> choices;  // allowed words, such as on and off
+  std::string text;                  // one line: what it does, its default, which options it needs or excludes
   bool takes_file = false, is_repeatable = false, is_required = false;
 
   bool isFlag() const { return value.empty(); }
@@ -38,11 +38,11 @@ struct CommandEntry {
   std::vector<OptionGroup> groups;
   std::vector<CommandEntry> commands;
 
-  // Returns the line of usage: viewpeel compute [OPTIONS] SCENE
+  // Returns the usage line, such as: viewpeel compute [OPTIONS] SCENE
   std::string usage() const;
 };
 
-// Returns the command's entry, and those of its subcommands.
+// Returns the entry of a command and of its subcommands.
 CommandEntry describeCommand(const CLI::App& command);
 
 }  // namespace viewpeel::program

@@ -62,7 +62,7 @@ CLI::Option* addUpOption(CLI::App* command, const std::function<void(const glm::
 void addThreadsOption(CLI::App* command) {
   const auto limit = [](const uint32_t& threads) {
     limitThreads(threads);
-    // Mesa's lavapipe reads it when a device is opened.
+    // Mesa's software device lavapipe reads this variable when it is opened.
     ::setenv("LP_NUM_THREADS", std::to_string(threads).c_str(), 1);
   };
   command

@@ -1,4 +1,4 @@
-// Several subcommands share these options.
+// These options belong to several subcommands.
 #pragma once
 #include <charconv>
 #include <cmath>
@@ -17,8 +17,8 @@
 
 namespace viewpeel::program {
 
-// Checks an option's value, as CLI11's checks do: returns what is wrong, empty where nothing is. CLI11's own checks
-// take nan, and -1 for 2^64 - 1.
+// Checks that a text is a number in a range, as CLI11's checks do: returns the fault, or an empty text. CLI11's check
+// accepts nan, and takes -1 for 2^64 - 1.
 inline std::string isNumber(const std::string& text, double least, double most) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= least && value <= most
@@ -50,25 +50,25 @@ void addChoice(CLI::App* command, const std::string& name, T& value,
   command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
 }
 
-// What SCENE is.
+// This text describes the argument SCENE.
 inline constexpr const char* kSceneText =
     "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the folder of an "
     "OpenFOAM case";
 
-// Adds the options for questions that a file leaves open: --sheets, --solids, --flip and --fix-normals.
+// Adds the options that decide what a scene file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);
 
-// Adds --up X,Y,Z, the direction above the horizon.
+// Adds --up X,Y,Z, the upward direction, which separates sky and ground.
 CLI::Option* addUpOption(CLI::App* command, const std::function<void(const glm::dvec3& up)>& use,
                          const std::string& text);
 
-// Adds --groups, which names the faces of a scene.
+// Adds --groups, a file with names for the faces of a scene.
 void addGroupsOption(CLI::App* command, std::string& groups);
 
-// Of --json.
+// This text describes --json.
 constexpr const char* kJsonHelp = "Print one JSON object: what was done, errors too";
 
-// Adds --threads, which limits all work on the processor, also that of a Vulkan device in software.
+// Adds --threads, which limits the processor's threads, also those of a software Vulkan device.
 void addThreadsOption(CLI::App* command);
 
 }  // namespace viewpeel::program

@@ -20,7 +20,7 @@ void requireDistinct(const std::vector<std::filesystem::path>& files) {
   namespace fs = std::filesystem;
   std::set<fs::path> named;
   for (const fs::path& file : files) {
-    std::error_code failure;  // a folder that cannot be looked into is refused when the file is checked
+    std::error_code failure;  // not needed: checkOutputs() refuses folders that cannot be read
     const fs::path place = fs::weakly_canonical(fs::absolute(file, failure), failure);
     if (!named.insert(place.empty() ? file : place).second)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", file.string()));

@@ -16,7 +16,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Does everything but the run.
+// Makes and prints the plan of a run, without counting.
 int runPlan(const ComputeOptions& options) {
   checkFiles(options);
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);

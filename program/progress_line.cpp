@@ -16,9 +16,9 @@ namespace {
 
 constexpr double kSecondsApart = 0.1, kSecondsApartInLogs = 60;
 constexpr size_t kColumns = 79;
-constexpr double kMostBeforeTheEnd = 0.99;  // a run that goes on has not reached its goal
+constexpr double kMostBeforeTheEnd = 0.99;  // shown at most before the end, for a running run has not reached its goal
 
-// VIEWPEEL_PROGRESS_SECONDS is the time between two lines of a log.
+// The variable VIEWPEEL_PROGRESS_SECONDS sets the time between two lines of a log.
 double secondsApartInLogs() {
   const char* given = std::getenv("VIEWPEEL_PROGRESS_SECONDS");
   const double seconds = given ? std::strtod(given, nullptr) : 0;
@@ -30,7 +30,7 @@ std::optional<double> toleranceOf(const Request& request) {
   return tolerance ? std::optional(tolerance->standard_error) : std::nullopt;
 }
 
-// Returns how many replicates the goal takes: those of the request, and more where errors so far say so.
+// Returns the expected number of replicates: that of the request, or more where present errors predict more.
 double expectedReplicates(const Request& request, const Progress& progress) {
   const auto* fixed = std::get_if<FixedAmount>(&request.goal);
   const double least = fixed ? fixed->replicates : request.amount.replicates;

@@ -1,5 +1,5 @@
-// Progress is one line on the terminal, rewritten after every batch of directions and every replicate; in a log it is a
-// line a minute.
+// A ProgressLine shows progress: on a terminal one line, rewritten after every batch of directions and every replicate;
+// in a log a line a minute.
 #pragma once
 #include <functional>
 #include <optional>
@@ -11,21 +11,21 @@
 
 namespace viewpeel::program {
 
-// Returns how far the goal is, from 0 to 1; nothing where nobody knows.
-//   In: elapsed_s: since the run began. Errors fall with the root of the number of replicates.
+// Returns the progress towards the goal, from 0 to 1; nothing where it cannot be predicted.
+//   In: elapsed_s: since the run began. Method: errors fall with the root of the number of replicates.
 std::optional<double> measureFraction(const Request& request, const Progress& progress, double elapsed_s);
 
-// Returns a line of at most 79 characters: phase, percent, remaining time, and what is being counted.
+// Returns a line of up to 79 characters: phase, percent, remaining time, and the count.
 //   In: elapsed_s: since the run began; counted_s: since counting began
 std::string describeProgress(const Request& request, const Progress& progress, double elapsed_s, double counted_s);
 
 class ProgressLine {
  public:
-  // In: request: referred to; shows: false for --quiet
+  // In: request: kept by reference; shows: false for --quiet
   ProgressLine(const Request& request, bool shows);
-  // Shows the name of a phase that has no numbers, such as reading; on a terminal alone.
+  // Shows the name of a phase that has no numbers, such as reading, if stderr is a terminal.
   void begin(const std::string& phase) const;
-  // Returns a function for Observer::on_progress; empty where nothing is shown. It refers to this line.
+  // Returns a function for Observer::on_progress; empty where nothing is shown. It keeps a reference to this object.
   std::function<void(const Progress&)> listener();
   void clear() const;
 

@@ -201,7 +201,7 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
 
 namespace {
 
-// Settles the replicates of a part of a run: part K begins where the parts before it end.
+// Sets the replicates of part K of N, so that parts follow one another without a gap.
 void choosePart(const std::string& text, Request& request) {
   uint32_t part = 0, parts = 0;
   const char* const end = text.data() + text.size();
@@ -233,7 +233,7 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
         "a guarantee plans for itself: leave out --tolerance, --relative, --directions, --finest, --replicates, "
         "--part and --first-replicate");
   request.time_limit_s = options.seconds;
-  // The usual number of replicates is of an estimate, too, where it is given.
+  // A given number of replicates asks for an estimate, even where it is the default number.
   if (command->get_option("--replicates")->count() && !request.promise && !options.epsilon) request.promise = false;
   if (options.epsilon) {
     EpsilonDelta guarantee = options.guarantee;

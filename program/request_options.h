@@ -1,4 +1,4 @@
-// Commands `compute` and `plan` share their options, and the request that these come to.
+// Commands `compute` and `plan` share options, and requestOf() makes a request of them.
 #pragma once
 #include <memory>
 #include <optional>
@@ -12,16 +12,16 @@ namespace viewpeel::program {
 
 struct RequestOptions {
   std::string scene, groups;
-  // The request has options that need no other option; the members below make the rest of it.
+  // Options that depend on no other option are set in `request`; the members below determine the rest of it.
   Request request;
   std::optional<double> tolerance, relative, seconds, epsilon;
   EpsilonDelta guarantee;
-  std::string part;  // K/N; empty for all of a run
+  std::string part;  // K/N; empty for the whole run
 };
 
 std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command);
 
-// Makes the request, once all options are read.    Throws: Error bad_usage for options that contradict each other.
+// Makes the request after parsing.    Throws: Error bad_usage for options that contradict each other.
 Request requestOf(const CLI::App* command, const RequestOptions& options);
 
 // Reads a scene and prints its warnings on stderr.

@@ -201,7 +201,7 @@ void addResult(Json& report, const Result& result) {
   report["seconds"] = result.seconds;
   if (!result.plan.no_promise.empty()) report["no_promise"] = result.plan.no_promise;
   report["goal_reached"] = result.goal_reached;
-  // Version 0.1 called it closed.
+  // Version 0.1 used the name `closed`.
   if (result.balanced) report["balanced"] = report["closed"] = jsonOf(*result.balanced);
   if (result.work) report["work"] = jsonOf(*result.work);
 }

@@ -1,4 +1,4 @@
-// Results, plans and devices as JSON.
+// These functions turn results, plans and devices into JSON.
 #pragma once
 #include <vector>
 
@@ -11,13 +11,13 @@
 
 namespace viewpeel::program {
 
-// Adds the scene: file, numbers of polygons and surfaces, area, radius, whether it is closed.
+// Adds the scene: file, numbers of polygons and surfaces, area, radius, and whether it is closed.
 void addScene(Json& report, const Scene& scene);
-// Adds the estimate's errors, closure, shares and counts, without its matrix.
+// Adds the estimate's errors, closure, shares and counts, but not its matrix.
 void addEstimate(Json& report, const Estimate& estimate);
-// Adds the same, the plan, balancing and work.
+// Adds the estimate in the same way, and plan, balancing and work.
 void addResult(Json& report, const Result& result);
-// Adds the answers of solve, a row each.
+// Adds the answers of solve, row by row.
 void addHeat(Json& report, const HeatSolution& solution, By by);
 
 Json jsonOf(const PlanSummary& plan);

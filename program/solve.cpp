@@ -30,7 +30,7 @@ namespace {
 struct SolveCommand {
   std::string scene, groups, materials;
   std::vector<std::string> outputs, stored;
-  std::vector<PlannedFile> files;  // of the outputs, as they are before the run
+  std::vector<PlannedFile> files;  // all outputs, and whether each existed before the run
   Request request;
   std::optional<double> form_factor_tolerance, epsilon;
   double delta = EpsilonDelta{}.delta;
@@ -69,7 +69,7 @@ const std::map<std::string, ExchangeKind> kExchangeKinds = {{"gebhart", Exchange
                                                             {"esatan", ExchangeKind::esatan},
                                                             {"sinda", ExchangeKind::sinda}};
 
-// Writes exchange factors beside the answers.
+// Writes exchange factors beside each output.
 void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
   if (!command.exchange) return;
   const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
@@ -92,8 +92,8 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
   return text + "\n";
 }
 
-// Writes answers and the form factors that they come from.
-//   In: content: its heat is the solution
+// Writes answers and the form factors that they were computed from.
+//   In: content: with the solution in content.heat
 void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
               const OutputContent& content) {
   if ((table.environment_temperature || table.sky_and_ground) && !solution.is_open)
@@ -103,8 +103,8 @@ void conclude(const SolveCommand& command, const MaterialTable& table, const Hea
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
 }
 
-// Prints answers, with the form factors that they come from, as JSON.
-//   In: found: of a scene; nullptr where form factors come from checkpoints
+// Prints answers, and the form factors that they were computed from, as JSON.
+//   In: found: the run on a scene; nullptr where form factors come from checkpoints
 void printJson(const SolveCommand& command, const HeatSolution& heat, const FormFactors& form_factors,
                const Estimate& estimate, const SceneHeat* found) {
   Json report = startReport();
@@ -131,7 +131,7 @@ MaterialTable readTable(const SolveCommand& command) {
   return table;
 }
 
-// Measures sky and ground apart for the form factors of checkpoints, as exactly as these are.
+// Measures form factors to sky and ground for the form factors of checkpoints, to the same standard error.
 EnvironmentParts measureStoredParts(const SolveCommand& command, const StoredRun& run, const MaterialTable& table,
                                     const Ids& ids, double standard_error) {
   if (!run.scene())
@@ -144,7 +144,7 @@ EnvironmentParts measureStoredParts(const SolveCommand& command, const StoredRun
   return measureEnvironment(*run.scene(), request);
 }
 
-// Solves with the form factors of checkpoints.
+// Solves with form factors from checkpoints.
 int solveStored(const SolveCommand& command) {
   const MaterialTable table = readTable(command);
   StoredRun run(command.stored, command.scene, command.groups);
@@ -193,7 +193,7 @@ int solveFile(const SolveCommand& command) {
   request.goal = Tolerance{command.form_factor_tolerance.value_or(Tolerance{}.standard_error)};
   if (command.epsilon) {
     request.goal = EpsilonDelta{.epsilon = *command.epsilon, .delta = command.delta};
-    request.pair_lines = true;  // it has an interval for each pair
+    request.pair_lines = true;  // pair lines give an interval for each pair
   }
   checkRequest(request);
   const Scene scene = loadSceneOf(command.scene, request.scene_options, command.groups);

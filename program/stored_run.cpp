@@ -10,7 +10,7 @@
 
 namespace viewpeel::program {
 
-// It makes unoccluded form factors of pairs that no checkpoint keeps.
+// A LoadedScene gives the unoccluded form factors of pairs, which checkpoints do not store.
 struct StoredRun::LoadedScene {
   Scene scene;
   Ids face_ids;

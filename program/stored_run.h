@@ -1,4 +1,4 @@
-// A StoredRun is what checkpoints hold of a run, with the scene that was computed where it is needed.
+// A StoredRun is a run read from checkpoints, with its scene where that is needed.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,17 +12,17 @@ namespace viewpeel::program {
 class StoredRun {
  public:
   // Reads and adds up checkpoints.
-  //   In: scene: the file that was computed; empty where it is not at hand; groups: names of its faces, as of --groups
-  //   Throws: as mergeCheckpoints and loadScene; Error bad_usage for another scene than the checkpoints'.
+  //   In: scene: file of the scene; empty if it is not available; groups: names of its faces, as for --groups
+  //   Throws: as mergeCheckpoints and loadScene; Error bad_usage where the checkpoints are of another scene.
   StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene, const std::string& groups = "");
   ~StoredRun();
 
   const Checkpoint& merged() const { return merged_; }
-  // Returns the scene that was computed; nullptr where it is not at hand.
+  // Returns the scene; nullptr if it is not available.
   const Scene* scene() const;
-  // Returns the form factors of all replicates.
+  // Returns the form factors, over all replicates.
   Estimate estimate();
-  // Refuses a run of one replicate, which has no standard errors.    Throws: Error bad_usage.
+  // Refuses a run of one replicate, for it has no standard errors.    Throws: Error bad_usage.
   void requireErrors() const;
 
  private:

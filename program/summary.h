@@ -1,4 +1,4 @@
-// The program prints these summaries for people.
+// These functions write the program's summaries.
 #pragma once
 #include <string>
 
@@ -16,27 +16,27 @@ std::string describeProcessor();
 // Returns a count with its noun: "1 polygon", "2 polygons".
 std::string counted(uint64_t count, const char* noun);
 
-// Describes polygons, surfaces, areas, closed or open; several lines.
+// Describes polygons, surfaces, areas, and whether the scene is closed; several lines.
 std::string describeScene(const Scene& scene);
-// Describes pairs of coincident polygons and how they are ordered; empty where there are none.
+// Describes pairs of coincident polygons and their order; empty where there are none.
 std::string describeCoincidences(const Scene& scene);
 
-// Tabulates the largest form factors between named surfaces, with standard errors.
+// Returns a table of the largest form factors between surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 
-// Describes directions of pairs that have their own, after the number of common ones; empty where there are none.
+// Describes how many directions directed pairs have, after the number of common ones; empty where there are none.
 std::string describeDirected(const Estimate& estimate);
 
-// Joins the largest form factors and describeErrors.
+// Returns the largest form factors and describeErrors().
 std::string describeResult(const Estimate& estimate);
 
 // Describes standard errors, closure, leak and environment of the whole matrix.
 std::string describeErrors(const Estimate& estimate);
 
-// Describes the changes by balancing.
+// Describes how balancing changed the form factors.
 std::string describeBalance(const BalancedFormFactors& balanced);
 
-// Messages of the validation layer are our errors: there is never a result beside them.
+// A message of the validation layer shows an error of the program: this function then refuses any result.
 //   Throws: Error device.
 void checkValidation(const Device& device);
 

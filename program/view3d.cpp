@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 constexpr const char* kLogFile = "View3D.log";
 constexpr double kLeastTolerance = 1e-5, kLargestTolerance = 1e-2;
 
-// A Log keeps what the log file gets, and says some of it on stderr.
+// A Log collects the text of the log file, and prints some of it on stderr.
 class Log {
  public:
   void note(const std::string& line) { text_ += line + "\n"; }
@@ -55,7 +55,7 @@ Result compute(const Scene& scene, const Vs3Control& control, const Question& qu
   request.by = By::surface;
   request.goal = Tolerance{toleranceOf(control)};
   request.question = question;
-  request.promise = false;  // its files have no intervals
+  request.promise = false;  // View3D's files have no place for intervals
   Result result = computeFormFactors(scene, request);
   for (const std::string& warning : result.warnings) log.say("WARNING " + warning);
   log.say(fmt::format("{:.2f} seconds to compute form factors, largest standard error {:.1e}", result.seconds,
@@ -101,8 +101,8 @@ void computeAll(const Vs3File& file, const fs::path& output, Log& log) {
     log.note(fmt::format("{} {:g} {:.6f} {}", row + 1, matrix.areas[row], sums[row], made.input.surface_names[row]));
 }
 
-// Writes one row: its form factors to all surfaces that are not merged into others, a line each. With a column, only
-// the log has the form factor.
+// Writes the form factors of one row, a line each, to all surfaces that are not merged into others. Where the file asks
+// for a single column, its form factor goes only to the log.
 void computeRow(const Vs3File& file, const fs::path& output, Log& log) {
   const Vs3Control& control = file.control;
   const auto indexOf = [&](uint32_t number, const char* what) {

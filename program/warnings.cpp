@@ -13,7 +13,7 @@ std::vector<std::string> kept;
 
 constexpr const char *kRed = "\033[1;31m", *kYellow = "\033[1;33m", *kPlain = "\033[0m";
 
-// Where stderr is full, fmt::print would throw.
+// Prints a line by fputs, for fmt::print throws where stderr cannot be written.
 void print(const char* colour, const std::string& word, std::string text) {
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';

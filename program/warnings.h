@@ -1,20 +1,20 @@
-// Warnings go to stderr at once, a line each; --json has them, too.
+// Warnings are printed on stderr at once, a line each; --json repeats them.
 #pragma once
 #include <string>
 #include <vector>
 
 namespace viewpeel::program {
 
-// Prints one line on stderr, "viewpeel: warning: ...", and keeps it.
+// Prints "viewpeel: warning: ..." on stderr and stores the text.
 void warn(const std::string& text);
 
-// Returns all warnings up to now.
+// Returns all warnings so far.
 const std::vector<std::string>& warnings();
 
-// Returns whether words on stderr may be coloured: on a terminal, unless NO_COLOR is set (https://no-color.org).
+// Returns whether text on stderr may be coloured: on a terminal, unless NO_COLOR is set (https://no-color.org).
 bool isColoured();
 
-// Prints one line on stderr, also where the message quotes control characters of a name.
+// Prints a message on stderr in one line; control characters in quoted names become '?'.
 void complain(std::string message);
 
 }  // namespace viewpeel::program

@@ -1,4 +1,4 @@
-// Charts: bars in SVG, and the picture of the matrix on a canvas.
+// This file draws charts: bars in SVG, and the picture of the matrix on a canvas.
 import { css, Scale } from './colours';
 import { asError, counted, element, inDigits, inThousands } from './format';
 
@@ -17,12 +17,12 @@ export interface Bars {
   first: number; // where bin 0 begins
   step: number;
   counts: number[];
-  noun: string; // of what is counted
-  tick(at: number): string | undefined; // text under the axis where there is one
+  noun: string; // noun for what bars count
+  tick(at: number): string | undefined; // text under the axis at this value, if any
   marks: { at: number; text: string }[];
 }
 
-// Draws a histogram. Heights are square roots of counts, so that few are seen beside many.
+// Draws a histogram. Heights are square roots of counts, so that small counts show beside large ones.
 export function drawBars({ title, first, step, counts, noun, tick, marks }: Bars): HTMLElement {
   const svg = document.createElementNS(SVG, 'svg');
   svg.setAttribute('viewBox', `0 0 ${WIDTH} ${HEIGHT}`);
@@ -46,7 +46,7 @@ export function drawBars({ title, first, step, counts, noun, tick, marks }: Bars
     const text = tick(at);
     if (text !== undefined) ticks.push({ at, text });
   }
-  // Texts must not overlap: every second or third one stands where there is no room for all.
+  // Texts must not overlap: where there is no room for all, every second or third is shown.
   const every = ticks.length < 2 ? 1 : Math.ceil(TICK_WIDTH / (across(ticks[1].at) - across(ticks[0].at)));
   for (const { at, text } of ticks.filter((_, k) => (ticks.length - 1 - k) % every === 0)) {
     svg.append(shape('line', { class: 'axis', x1: across(at), x2: across(at), y1: HEIGHT - BOTTOM, y2: HEIGHT - BOTTOM + 4 }));
@@ -71,8 +71,8 @@ export function powerOfTen(at: number): string | undefined {
   return Math.abs(at - Math.round(at)) < 1e-6 ? `1e${Math.round(at)}` : undefined;
 }
 
-// Draws the matrix with its rows in the order of their places.
-//   In: values: size x size, the largest form factor of each cell
+// Draws the picture of the matrix. Rows are in the order in which they lie in the scene.
+//   In: values: size x size; each is the largest form factor of its cell
 export function drawPicture(values: Float32Array, size: number, describe: (down: number, across: number) => string, choose: (down: number) => void): HTMLElement {
   const canvas = element('canvas', { width: String(size), height: String(size), class: 'picture', role: 'img' });
   const scale = Scale.of('logarithmic', values);

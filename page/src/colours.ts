@@ -1,4 +1,4 @@
-// Values become colours. All colours of the project are in palette.json.
+// This file turns values into colours. All colours of the project are in palette.json.
 import palette from '../palette.json';
 
 export type Colour = [number, number, number]; // sRGB, 0 to 255
@@ -10,7 +10,7 @@ export { palette };
 
 const STEPS = 256;
 
-// Between two stops colours lie on a line of Oklab, in which equal steps look equal.
+// Colours between two stops lie on a line in Oklab, where equal steps look equal.
 //   Source: B. Ottosson, A perceptual color space for image processing, 2020.
 function toOklab(colour: Colour): Colour {
   const [r, g, b] = colour.map((byte) => (byte <= 10.31475 ? byte / 255 / 12.92 : ((byte / 255 + 0.055) / 1.055) ** 2.4));
@@ -36,7 +36,7 @@ function fromOklab([lightness, a, b]: Colour): Colour {
   return linear.map((x) => 255 * Math.min(1, Math.max(0, x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055))) as Colour;
 }
 
-// Returns 256 colours, each as far from the next as the others.
+// Returns a ramp of 256 colours with equal distances.
 function makeRamp(hexes: string[]): Colour[] {
   const stops = hexes.map((hex) => toOklab(parse(hex)));
   const lengths = [0];
@@ -55,13 +55,13 @@ const SEQUENTIAL = makeRamp(palette.sequential);
 const DIVERGING = makeRamp(palette.diverging);
 
 export type Kind = 'logarithmic' | 'linear' | 'diverging';
-const DECADES = 5; // at most, of a logarithmic scale
+const DECADES = 5; // most powers of ten that a logarithmic scale covers
 
 // A Scale maps values to colours.
 export class Scale {
   constructor(readonly kind: Kind, readonly least: number, readonly greatest: number) {}
 
-  // Returns a scale for these values. Logarithmic ones leave out what is not above 0.
+  // Returns a scale for these values. A logarithmic scale ignores values of 0 or less.
   static of(kind: Kind, values: ArrayLike<number>, centre = 0): Scale {
     let least = Infinity, greatest = -Infinity;
     for (let k = 0; k < values.length; ++k) {
@@ -90,7 +90,7 @@ export class Scale {
     return (this.kind === 'diverging' ? DIVERGING : SEQUENTIAL)[Math.round(place * (STEPS - 1))];
   }
 
-  // Values that the scale does not have, 0 on a logarithmic one, are neutral.
+  // Returns a value's colour; neutral grey for values without a place, such as 0 on a logarithmic scale.
   colour(value: number): Colour {
     if (!Number.isFinite(value) || (this.kind === 'logarithmic' && value <= 0)) return NEUTRAL;
     return this.at(this.place(value));

@@ -1,4 +1,4 @@
-// What the program packed into the page: host/report/write_page.cpp. Arrays are decoded when they are asked for.
+// Contents reads what host/report/write_page.cpp packed into the page. Each array is decoded when it is first needed.
 
 type Bytes = Uint8Array<ArrayBuffer>;
 type Values = Bytes | Int32Array | Float32Array | Float64Array;
@@ -12,18 +12,18 @@ interface Head {
   entries_of_file: number;
   has_scene: boolean;
   has_intervals: boolean;
-  unlisted_bound: number; // of an interval: form factors without an entry are at most so large
+  unlisted_bound: number; // a guarantee's bound on form factors without an entry
   is_bounded: boolean;
   is_rounded: boolean;
   middle: [number, number, number];
   picture_size: number;
-  // Of intervals error bounds, else standard errors.
+  // Error bounds where there are intervals, else standard errors.
   errors: { first: number; step: number; without: number; largest: number | null; rms: number | null; bins: number[] };
   columns: { name: string; unit: string }[];
   arrays: { name: string; type: keyof typeof TYPES; count: number }[];
 }
 
-// The form factors of one row.
+// A Row is the form factors of one row.
 export interface Row {
   to: Int32Array;
   formFactor: Values;
@@ -32,7 +32,7 @@ export interface Row {
   upper?: Values;
 }
 
-// A Fault is a sentence for whoever opens a page that is damaged.
+// A Fault is a message to readers of a damaged page.
 export class Fault extends Error {}
 
 export class Contents {
@@ -81,11 +81,11 @@ export class Contents {
   async texts(name: string): Promise<string[]> {
     const bytes = await this.array(name);
     const texts = new TextDecoder().decode(bytes as Bytes).split('\0');
-    texts.pop(); // behind the last end
+    texts.pop(); // the text after the last separator is empty
     return texts;
   }
 
-  // Prepares rows.
+  // Reads which entries belong to which row.
   async open(): Promise<void> {
     this.firstRows = await this.integers('first_row');
     this.starts = await this.integers('start');
@@ -144,7 +144,7 @@ function damaged(name: string): Fault {
   return new Fault(`This page is damaged in its part '${name}'. Copy it again, or write it again with viewpeel report.`);
 }
 
-// zlib's check sum is compared meanwhile.
+// Inflates zlib's format; the browser verifies its check sum.
 async function inflate(base64: string, name: string): Promise<Bytes> {
   try {
     const digits = atob(base64);
@@ -157,7 +157,7 @@ async function inflate(base64: string, name: string): Promise<Bytes> {
   }
 }
 
-// All first bytes stand before all second bytes.
+// Restores the order of bytes: the packed array has the first bytes of all values, then all second bytes, and so on.
 function unshuffle(shuffled: Bytes, width: number): Bytes {
   if (width === 1) return shuffled;
   const count = shuffled.length / width;

@@ -1,6 +1,6 @@
-// Numbers and tables as text.
+// This file writes numbers and tables as text.
 
-// Six digits, as the program prints form factors: 0.743117, 1.23457e-5.
+// Writes six digits, as the program does for form factors: 0.743117, 1.23457e-5.
 export function inDigits(value: number, digits = 6): string {
   if (value === 0) return '0';
   if (!Number.isFinite(value)) return String(value);
@@ -9,7 +9,7 @@ export function inDigits(value: number, digits = 6): string {
   return value.toExponential(digits - 1).replace(/\.?0+e/, 'e');
 }
 
-// Errors have two digits: 2.3e-4.
+// Writes an error with two digits: 2.3e-4.
 export function asError(value: number): string {
   if (value === 0) return '0';
   return Number.isFinite(value) ? value.toExponential(1) : 'unknown';
@@ -23,7 +23,7 @@ export function counted(count: number, noun: string): string {
   return `${inThousands(count)} ${noun}${count === 1 ? '' : 's'}`;
 }
 
-// A field of CSV, quoted as in RFC 4180 where it must be.
+// Returns a field of CSV, quoted by RFC 4180 where necessary.
 function field(value: string | number): string {
   const text = String(value);
   return /[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
@@ -33,7 +33,7 @@ export function asCsv(lines: (string | number)[][]): string {
   return lines.map((line) => line.map(field).join(',')).join('\n') + '\n';
 }
 
-// Copies a text; resolves to false where the browser does not allow it.
+// Copies a text to the clipboard; the promise is false where the browser forbids it.
 export async function copy(text: string): Promise<boolean> {
   try {
     await navigator.clipboard.writeText(text);
@@ -49,7 +49,7 @@ export async function copy(text: string): Promise<boolean> {
   }
 }
 
-// Makes an element. Texts of a file become text nodes alone, never markup.
+// Makes an element. Texts become text nodes and are never read as markup.
 export function element<K extends keyof HTMLElementTagNameMap>(
   tag: K, attributes: Record<string, string> = {}, ...children: (Node | string)[]
 ): HTMLElementTagNameMap[K] {

@@ -1,4 +1,4 @@
-// Opens the page: reads what is in it, draws the scene, fills the panels, and says what is wrong with a damaged page.
+// This file opens the page: it reads the contents, draws the scene, fills the panels, and explains a damaged page.
 import { gradient } from './chart';
 import { NEUTRAL, palette, Scale } from './colours';
 import { Contents, Fault } from './contents';
@@ -13,7 +13,7 @@ class Page {
   private quantity: Quantity;
   private showSelection: (selection?: Selection) => void = () => {};
   private hovered?: { polygon: number; x: number; y: number };
-  private asked = 0; // the latest selection that was asked for
+  private asked = 0; // number of selections begun so far
 
   constructor(
     private readonly contents: Contents, private readonly rows: Rows, private readonly quantities: Quantity[], private readonly parameters: Map<string, string>,
@@ -44,13 +44,13 @@ class Page {
     ]);
   }
 
-  // Returns the name of the row under a place of the window.
+  // Returns the name of the row at a point of the window.
   nameAt(x: number, y: number): string | undefined {
     const polygon = this.scene?.pick(x, y);
     return polygon === undefined ? undefined : this.rows.names[this.rowOfPolygon[polygon]];
   }
 
-  // Selects the row of this name.
+  // Selects the row with this name.
   async chooseName(name: string): Promise<void> {
     const row = this.rows.names.indexOf(name);
     if (row >= 0) await this.choose([row], name);
@@ -68,7 +68,7 @@ class Page {
     return undefined;
   }
 
-  // The row that sends most to others: it colours the scene well.
+  // Returns the row that sends most to other rows, so that the first picture shows many colours.
   private firstRow(): number {
     const environment = this.quantities.find(({ key }) => key === 'environment')?.values;
     let best = 0, most = -1;
@@ -110,11 +110,11 @@ class Page {
       this.paint();
     });
     byId('tools').addEventListener('submit', (event) => event.preventDefault());
-    // Where rows are surfaces there is nothing else to select.
+    // Where rows are surfaces, single polygons cannot be selected.
     byId('unit-label').hidden = this.rows.surfaceNames.length === 0 || this.rows.names.length === this.rows.surfaceNames.length;
     const backs = byId<HTMLSelectElement>('backs');
     const setBacks = () => this.scene?.setBacks(backs.value as Backs);
-    // Where radiation ends on backs, they are to be found.
+    // Where lines end on backs, backs are hatched so that they are easy to find.
     backs.value = this.leaks() ? 'hatched' : 'dotted';
     setBacks();
     backs.addEventListener('change', setBacks);
@@ -156,7 +156,7 @@ class Page {
     const asked = ++this.asked;
     try {
       const selection = await select(this.contents, this.rows, rows, name);
-      if (asked !== this.asked) return; // another one was asked for meanwhile
+      if (asked !== this.asked) return; // a later selection has begun meanwhile
       this.selection = selection;
     } catch (error) {
       showFault(error);
@@ -240,7 +240,7 @@ class Page {
   }
 }
 
-// Faults of the page are said in a sentence.
+// Shows in a sentence what is wrong with the page.
 function showFault(error: unknown): void {
   const fault = byId('fault');
   fault.textContent = error instanceof Fault ? error.message : `This page cannot show its result: ${error instanceof Error ? error.message : String(error)}`;
@@ -264,7 +264,7 @@ async function loadRows(contents: Contents, rowOfPolygon: Int32Array, surfaceOfP
   return rows;
 }
 
-// Returns nothing, and says why, where there is no scene to draw.
+// Makes the scene. Where there is none, it shows the reason and returns nothing.
 async function makeScene(contents: Contents): Promise<Scene | undefined> {
   let reason = 'The file has no polygons, so that there is no scene to show; tables and charts are complete.';
   if (contents.head.has_scene) {
@@ -286,7 +286,7 @@ async function open(): Promise<void> {
   await contents.open();
   byId('app').hidden = false;
   const none = new Int32Array(0);
-  // What does not need each other is read together.
+  // Contents that do not depend on each other are read together.
   const [rowOfPolygon, surfaceOfPolygon, words, notes, quantities, scene] = await Promise.all([
     contents.head.has_scene ? contents.integers('row_of_polygon') : none, contents.head.has_scene ? contents.integers('surface_of_polygon') : none,
     contents.texts('parameters'), contents.texts('notes'), loadQuantities(contents), makeScene(contents),
@@ -298,7 +298,7 @@ async function open(): Promise<void> {
   await page.start();
   byId('waiting').hidden = true;
   document.body.dataset.state = 'ready';
-  Object.assign(window, { viewpeelPage: page }); // for consoles and tests
+  Object.assign(window, { viewpeelPage: page }); // for the browser's console and for tests
 }
 
 document.addEventListener('DOMContentLoaded', () => {

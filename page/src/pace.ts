@@ -1,11 +1,11 @@
-// A scene that moves is drawn coarser where frames come too slowly.
+// A Pace lowers the resolution of a moving scene where frames take too long.
 
 const SLOW_MS = 1000 / 30; // a frame that takes longer is slow
-const FRAMES = 4; // whose mean is judged
-const STEP = 0.75, LEAST = 0.3; // of the pixels across and down
-const PAUSE_MS = 250; // a longer time between two frames is a pause of the hand
+const FRAMES = 4; // number of frames whose mean time is judged
+const STEP = 0.75, LEAST = 0.3; // factor of the share at a change; least share
+const PAUSE_MS = 250; // a longer time between two frames is a pause of the user
 
-// A Pace settles the share of a scene's pixels, across and down, that are drawn while it moves.
+// A Pace chooses which share of a scene's pixels is drawn, across and down, while the scene moves.
 export class Pace {
   private last = 0;
   private spent = 0;
@@ -16,13 +16,13 @@ export class Pace {
     this.share = finest;
   }
 
-  // A movement begins: perhaps the machine has more time now.
+  // Notes that a movement begins. The resolution goes up a step, for the machine may have more time now.
   begin(): void {
     this.share = Math.min(this.finest, this.share / STEP);
     this.last = this.spent = this.count = 0;
   }
 
-  // In: time_ms: of a frame that was drawn    Out: whether the share has changed
+  // Notes a frame.    In: time_ms: when it was drawn    Out: whether the share has changed
   addFrame(time_ms: number): boolean {
     const taken = time_ms - this.last;
     const isPause = this.last === 0 || taken > PAUSE_MS;

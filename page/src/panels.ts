@@ -1,4 +1,4 @@
-// Tables and charts beside the scene, one at a time behind tabs.
+// Panels are tables and charts beside the scene, one at a time behind tabs.
 import { drawBars, drawPicture, powerOfTen } from './chart';
 import type { Contents } from './contents';
 import { asError, byId, copy, counted, element, inDigits } from './format';
@@ -6,7 +6,7 @@ import type { Quantity } from './quantities';
 import { meanBySurface, type Rows, type Selection, sumsHaveIntervals } from './selection';
 import { type Column, Table } from './table';
 
-// Panels ask for these.
+// Actions are what panels ask the page to do.
 export interface Actions {
   chooseRow(row: number): void;
   chooseSurface(surface: number): void;
@@ -24,12 +24,12 @@ interface Entry {
   upper?: number;
 }
 
-// How far a form factor may be from the ends of its interval.
+// Returns the distance from a form factor to the farther end of its interval.
 function boundOf({ formFactor, lower, upper }: Entry): number {
   return Math.max(formFactor - (lower ?? 0), (upper ?? 0) - formFactor);
 }
 
-// Makes tabs: one panel is shown, arrow keys move between tabs.
+// Makes tabs that show one panel at a time; arrow keys move between them.
 export function makeTabs(titles: string[]): HTMLElement[] {
   const tabs: HTMLButtonElement[] = [], panels: HTMLElement[] = [];
   const show = (shown: number, takeFocus: boolean) => {
@@ -59,7 +59,7 @@ export function makeTabs(titles: string[]): HTMLElement[] {
   return panels;
 }
 
-// Columns have the order and the names that they have in a file.
+// Returns the columns of a table of form factors, in the order and with the names of a .csv.
 function entryColumns({ hasIntervals, isBounded }: { hasIntervals: boolean; isBounded: boolean }): Column<Entry>[] {
   const number = (key: string, title: string, value: (entry: Entry) => number, inWords = (entry: Entry) => inDigits(value(entry))): Column<Entry> => ({ key, title, isNumber: true, value, text: inWords });
   const columns: Column<Entry>[] = [

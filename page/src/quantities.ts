@@ -1,17 +1,17 @@
-// What the scene can be coloured by: form factors from what is selected, or a value of each row.
+// A Quantity colours the scene: form factors from the selection, or a value of each row.
 import type { Kind } from './colours';
 import type { Contents } from './contents';
 
 export interface Quantity {
   key: string;
   title: string;
-  unit: string; // '' where it has none
+  unit: string; // '' for a number without unit
   kind: Kind;
-  centre: number; // of a diverging scale
-  ofSelection: boolean; // form factors and their errors: from what is selected
-  values?: Float64Array; // of rows
-  errors?: Float64Array; // standard errors of rows
-  bounds?: Float64Array; // of a guarantee: each value is at most so far off
+  centre: number; // neutral value of a diverging scale
+  ofSelection: boolean; // whether it is a form factor from the selection, or its error
+  values?: Float64Array; // by row
+  errors?: Float64Array; // standard errors by row
+  bounds?: Float64Array; // a guarantee's bounds on the distance from the true value
   lower?: Float64Array;
   upper?: Float64Array;
 }

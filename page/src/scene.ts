@@ -1,4 +1,4 @@
-// The scene in three dimensions: polygons in colours, the outline of what is selected, picking.
+// This file draws the scene in three dimensions: coloured polygons, the outline of the selection, and picking.
 import {
   BackSide, BufferAttribute, BufferGeometry, Color, DoubleSide, FrontSide, IncrementStencilOp, LessEqualStencilFunc, LineSegments, Matrix4, Mesh, PerspectiveCamera, Ray, Raycaster, Scene as World, ShaderMaterial, Sphere, Spherical, Vector2,
   Vector3, WebGLRenderer,
@@ -13,11 +13,12 @@ import type { Contents } from './contents';
 import { Pace } from './pace';
 
 export type Backs = 'dotted' | 'hatched' | 'hidden' | 'solid';
-const MOST_EDGES = 40000; // beyond these the lines between polygons would hide their colours, and take time
-const STILL_MS = 180; // after the last move the scene is drawn sharp
-const MOVING_SHARE = 0.5; // of a large scene's pixels, across and down, at most while it moves
+const MOST_EDGES = 40000; // with more edges they would hide the colours and take long, so none are drawn
+const STILL_MS = 180; // time after the last movement until the scene is drawn sharp
+const MOVING_SHARE = 0.5; // share of a large scene's pixels, across and down, while it moves
 
-// Faces look a little darker from the side. A back is dotted or hatched, so that what lies behind is seen.
+// The shader darkens faces a little where they are seen at an angle. Backs are dotted or hatched, and seen
+// through.
 const FACE_VERTEX = `
 in vec3 tint;
 uniform mat4 to_screen;
@@ -55,7 +56,7 @@ const WRONG_FRAGMENT = `
 uniform vec3 back;
 out vec4 result;
 void main() { result = vec4(back, 1.0); }`;
-// Edges are drawn around fronts alone.
+// The shader draws edges of fronts only.
 const EDGE_VERTEX = `
 out float front;
 void main() {
@@ -74,7 +75,7 @@ void main() {
 
 interface Shapes {
   corners: Float32Array; // three coordinates each
-  firstCorner: Int32Array; // of polygons, and the end
+  firstCorner: Int32Array; // by polygon, and the end of the last
   triangles: Uint32Array; // three corners each
   polygonOfTriangle: Int32Array;
 }
@@ -112,7 +113,7 @@ export class Scene {
   private isAsked = false;
   private readonly isLarge: boolean;
   private isMoving = false;
-  private isPlacing = false; // the camera is put somewhere, once
+  private isPlacing = false; // whether the code, not the user, is moving the camera
   private stillTimer = 0;
   private readonly pace: Pace;
   frames = 0;
@@ -161,7 +162,7 @@ export class Scene {
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement as Element);
   }
 
-  // In: colourOf: of a polygon
+  // Colours all polygons.    In: colourOf(polygon)
   paint(colourOf: (polygon: number) => Colour): void {
     const bytes = this.tints.array, { firstCorner } = this.shapes;
     for (let polygon = 0; polygon + 1 < firstCorner.length; ++polygon) {
@@ -172,7 +173,7 @@ export class Scene {
     this.draw();
   }
 
-  // Outlines polygons together: lines that two of them share are left out.
+  // Outlines several polygons as one: edges that two of them share are left out.
   outline(polygons: number[]): void {
     const { corners, firstCorner } = this.shapes;
     const edges = new Map<string, number[] | undefined>();
@@ -231,14 +232,14 @@ export class Scene {
     this.draw();
   }
 
-  // Returns where to look, and from how far, for every corner to be in sight and the scene in the middle.
+  // Returns where the camera must look, and from which distance, to see every corner with the scene in the middle.
   private placeToSeeAll(side: Vector3): { middle: Vector3; distance: number } {
     const right = this.camera.up.clone().cross(side).normalize(), over = side.clone().cross(right);
     const tall = 0.88 * Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;
     const { corners } = this.shapes, corner = new Vector3(), middle = this.sphere.center.clone();
     let distance = 0;
     for (let turn = 0; turn < 3; ++turn) {
-      const far = [0, 0, 0, 0]; // how far the camera has to stand for the corners to the right, left, above, below
+      const far = [0, 0, 0, 0]; // distances from which the corners to the right, left, above and below are seen
       for (let at = 0; at < corners.length; at += 3) {
         corner.fromArray(corners, at).sub(middle);
         const near = corner.dot(side), x = corner.dot(right) / wide, y = corner.dot(over) / tall;
@@ -250,7 +251,7 @@ export class Scene {
     return { middle, distance: distance * 1.01 };
   }
 
-  // Turns by angles in radians, or zooms by a factor.
+  // Turns the camera by angles in radians, or zooms by a factor.
   turn(around: number, over: number, zoom = 1): void {
     const toUp = this.camera.up;
     const offset = this.camera.position.clone().sub(this.controls.target);
@@ -266,7 +267,7 @@ export class Scene {
     this.draw();
   }
 
-  // Returns the polygon under a place of the window; backs are seen through unless they are solid.
+  // Returns the polygon at a point of the window. Backs are passed over unless they are drawn solid.
   pick(x: number, y: number): number | undefined {
     this.tree ??= new MeshBVH(this.geometry, { indirect: true });
     const box = this.canvas.getBoundingClientRect();
@@ -291,7 +292,7 @@ export class Scene {
     });
   }
 
-  // Draws a scene that is moving, coarser where its pace says so, and sharp again when it is still.
+  // Draws a moving scene, more coarsely where its pace requires; once it stands still it is drawn sharp.
   private drawMoving(): void {
     if (!this.isMoving) this.setMoving(true);
     this.draw();
@@ -309,8 +310,8 @@ export class Scene {
     return controls;
   }
 
-  // Behind a back comes a front: a line of sight that meets two backs before it has met a face that looks the wrong
-  // way. Backs before the nearest front are counted in the stencil, and drawn solid where there are two.
+  // Marks faces that look the wrong way. A line of sight that meets two backs before a front has met such a face. The
+  // stencil counts backs before the nearest front, and where there are two they are drawn solid.
   private addWrongFaces(glsl3: { glslVersion: '300 es' }): void {
     const material = (rule: object) => new ShaderMaterial({
       ...glsl3, ...rule, vertexShader: WRONG_VERTEX, fragmentShader: WRONG_FRAGMENT, side: BackSide, depthWrite: false, stencilWrite: true,
@@ -394,7 +395,7 @@ export class Scene {
   }
 }
 
-// Colours go to the screen as they are.
+// Returns a colour that goes to the screen unchanged.
 function sRgb(hex: string): Color {
   const colour = new Color();
   colour.setRGB(parseInt(hex.slice(1, 3), 16) / 255, parseInt(hex.slice(3, 5), 16) / 255, parseInt(hex.slice(5, 7), 16) / 255, 'srgb-linear');

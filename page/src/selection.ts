@@ -1,38 +1,38 @@
-// What is selected: a row, or all rows of a surface together.
+// A Selection is a row, or all rows of a surface together.
 import type { Contents, Row } from './contents';
 
 export interface Rows {
   names: string[];
   areas: Float64Array;
   surfaceNames: string[]; // empty without a scene
-  surfaceOfRow: Int32Array; // -1 where there is none
+  surfaceOfRow: Int32Array; // -1 for rows without a surface
   polygonsOfRow: Map<number, number[]>;
 }
 
-// Form factors from what is selected, of every row.
+// A Selection has form factors from the selected rows to every row.
 export interface Selection {
   rows: number[];
   name: string;
   area: number;
-  isSum: boolean; // of several rows
+  isSum: boolean; // whether several rows are selected
   formFactor: Float64Array;
-  standardError: Float64Array; // of a sum: at most
+  standardError: Float64Array; // for a sum an upper bound
   lower?: Float64Array;
   upper?: Float64Array;
-  has: Uint8Array; // rows with an entry
+  has: Uint8Array; // by row: 1 where it has an entry
 }
 
-// Pairs without an entry may have form factors up to a bound of the file; sums with a 0 in place of them have no interval.
+// Returns whether sums of form factors have intervals: not where a pair without an entry may be above 0.
 export function sumsHaveIntervals({ head }: Contents): boolean {
   return head.has_intervals && head.unlisted_bound === 0;
 }
 
-// Returns how far each form factor is from the farther end of its interval.
+// Returns the distance from each form factor to the farther end of its interval.
 export function boundsOf({ formFactor, lower, upper }: Selection): Float64Array | undefined {
   return lower && upper && formFactor.map((value, row) => Math.max(value - lower[row], upper[row] - value));
 }
 
-// Adds up: F_Ij = sum over i in I of A_i F_ij / A_I. Errors are added as if each were as large as it can be.
+// Selects rows and adds up their form factors: F_Ij = sum over i in I of A_i F_ij / A_I. Errors add up to upper bounds.
 export async function select(contents: Contents, rows: Rows, chosen: number[], name: string): Promise<Selection> {
   const count = rows.names.length;
   const area = chosen.reduce((sum, row) => sum + rows.areas[row], 0);
@@ -57,7 +57,7 @@ export async function select(contents: Contents, rows: Rows, chosen: number[], n
   return selection;
 }
 
-// Adds rows' values up by surface, as means over their areas.
+// Returns the mean of rows' values over each surface, weighted by area.
 export function meanBySurface(rows: Rows, values: Float64Array): Float64Array {
   const sums = new Float64Array(rows.surfaceNames.length), areas = new Float64Array(rows.surfaceNames.length);
   rows.surfaceOfRow.forEach((surface, row) => {

@@ -1,13 +1,13 @@
-// Tables that are sorted by a click on a heading and searched by words.
+// A Table can be sorted by a click on a heading and searched by words.
 import { asCsv, copy, counted, element } from './format';
 
 export interface Column<T> {
-  key: string; // in CSV
-  title: string; // '' in CSV alone
+  key: string; // name in a .csv
+  title: string; // '' for a column that only a .csv has
   isNumber: boolean;
-  value(item: T): string | number; // to sort by, and for CSV
+  value(item: T): string | number; // sorts rows, and is written to a .csv
   text(item: T): string;
-  rank?(item: T): number; // to sort by, where it is not the value
+  rank?(item: T): number; // sorts rows where value() does not
 }
 
 const PAGE = 200; // rows shown at once
@@ -24,7 +24,7 @@ export class Table<T> {
   private readonly body = element('tbody');
   private readonly count = element('p', { class: 'count', role: 'status' });
   private readonly more = element('button', { type: 'button', class: 'more' }, 'Show more');
-  private readonly columns: Column<T>[]; // that are seen
+  private readonly columns: Column<T>[]; // the columns that are shown
 
   constructor(
     private readonly all: Column<T>[], caption: string,

@@ -1,4 +1,4 @@
-// The Python module stands on the public headers alone. These are the objects that Python holds.
+// The Python module uses the public headers alone. The structs of this header are the objects that Python holds.
 #pragma once
 #include <memory>
 #include <optional>
@@ -20,17 +20,17 @@ namespace viewpeel::python {
 
 namespace py = pybind11;
 
-// A scene and how it was made; results of a run keep it.
+// A HeldScene is a scene and the options that made it. Results keep their scene alive.
 struct HeldScene {
   std::shared_ptr<const Scene> scene;
   SceneOptions options;
 };
 
-// A result, computed or read from a file.
+// A HeldResult is a result that was computed or read from a file.
 struct HeldResult {
   StoredResult stored;
-  std::shared_ptr<const Scene> scene;        // none where it was read
-  std::shared_ptr<const SparseRows> rows{};  // made when they are first asked for
+  std::shared_ptr<const Scene> scene;        // null for a result from a file
+  std::shared_ptr<const SparseRows> rows{};  // made at their first use
   std::vector<std::string> warnings{};
   double seconds = 0;
 };
@@ -40,23 +40,23 @@ struct HeldHeat {
   std::shared_ptr<HeldResult> form_factors;
 };
 
-// Gives Python a run's result.
-//   In: parameters: what a file of it would say of the run
+// Makes the Python object of a run's result.
+//   In: parameters: as a file of the result would have them
 std::shared_ptr<HeldResult> hold(const HeldScene& held, Result result,
                                  std::vector<std::pair<std::string, std::string>> parameters);
 
 // Makes a request of keyword arguments that are not None.    Throws: Error bad_usage for unknown words.
 Request requestOf(const py::dict& arguments);
 
-// Runs the work on another thread, without the interpreter's lock, and calls `tick` and the handlers of signals some 20
-// times a second meanwhile.
-//   In: work: gets an observer, whose stop it obeys; tick: a Python function of a dict of Progress, or None
-//   Out: the Python exception that stopped the work; none where it came to its end
+// Runs the work on another thread, without the interpreter's lock. Meanwhile it calls `tick` and Python's handlers of
+// signals some 20 times a second.
+//   In: work: gets an observer and has to obey its stop; tick: a Python function of a dict of Progress, or None
+//     Out: the Python exception that stopped the work; nothing where the work ended by itself
 //   Throws: what the work throws.
 std::optional<py::error_already_set> runWatched(const std::function<void(const Observer&)>& work,
                                                 const py::object& tick);
 
-// Gives Python an array over values that `owner` keeps alive, without a copy.
+// Makes an array over values that `owner` keeps alive, without a copy.
 template <class T, class Owner>
 py::array_t<T> viewOf(const std::vector<T>& values, std::shared_ptr<const Owner> owner) {
   using Kept = std::shared_ptr<const Owner>;
@@ -64,7 +64,7 @@ py::array_t<T> viewOf(const std::vector<T>& values, std::shared_ptr<const Owner>
   return py::array_t<T>(static_cast<py::ssize_t>(values.size()), values.data(), keeper);
 }
 
-// Gives the values themselves to Python, without a copy.
+// Makes an array that owns the values, without a copy.
 template <class T>
 py::array_t<T> arrayOf(std::vector<T> values) {
   auto owner = std::make_shared<const std::vector<T>>(std::move(values));

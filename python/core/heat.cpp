@@ -1,4 +1,4 @@
-// Heat flows and temperatures, of a scene or of form factors that are there.
+// This file binds heat flows and temperatures, of a scene or of a result.
 #include "python/core/bindings.h"
 
 #include <viewpeel/error.h>
@@ -6,7 +6,7 @@
 namespace viewpeel::python {
 namespace {
 
-// In: lines: (name, emissivity, temperature or None, heat flux or None)
+// Makes materials.    In: lines: (name, emissivity, temperature or None, heat flux or None)
 MaterialTable tableOf(
     const std::vector<std::tuple<std::string, double, std::optional<double>, std::optional<double>>>& lines,
     std::optional<double> environment_K) {
@@ -23,9 +23,9 @@ std::shared_ptr<HeldHeat> solve(const std::shared_ptr<HeldResult>& result, const
   return std::make_shared<HeldHeat>(HeldHeat{solveHeat(stored.form_factors, enclosure), result});
 }
 
-// Computes form factors until the answers have a standard error.
+// Computes form factors until the answers' standard errors are below the tolerance.
 //   In: unit: K, W/m2 or %
-//   Out: (answers, whether they have it, None); (None, False, the exception) where Python stopped the run
+//   Out: (answers, whether the tolerance was reached, None); (None, False, exception) where Python stopped the run
 py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const MaterialTable& materials, double tolerance,
                   const std::string& unit, const py::object& tick) {
   Request request = requestOf(arguments);
@@ -57,8 +57,8 @@ const std::vector<HeatRow>& rowsOf(const HeldHeat& heat, bool by_surface) {
   return by_surface ? heat.solution.surfaces : heat.solution.rows;
 }
 
-// Returns names, and for each answer arrays (values, standard errors, bounds); None for bounds where form factors have
-// no intervals.
+// Returns names, and for each answer three arrays: values, standard errors and bounds. Bounds are None where form
+// factors have no intervals.
 py::dict columnsOf(const HeldHeat& heat, bool by_surface) {
   const std::vector<HeatRow>& rows = rowsOf(heat, by_surface);
   py::dict columns;

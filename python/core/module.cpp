@@ -1,4 +1,4 @@
-// viewpeel._core: the compiled part of the Python module. viewpeel/_core.pyi has its types.
+// This file defines viewpeel._core, the compiled part of the Python module. Its types are in viewpeel/_core.pyi.
 #include "python/core/bindings.h"
 
 #include <viewpeel/error.h>
@@ -6,7 +6,7 @@
 namespace viewpeel::python {
 namespace {
 
-// Each code of the library's one exception becomes the Python exception that users expect.
+// Raises the Python exception that users expect for each code of the library's Error.
 void translate(const Error& error, const py::object& other) {
   switch (error.code()) {
     case ErrorCode::bad_input:

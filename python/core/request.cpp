@@ -1,4 +1,4 @@
-// Keyword arguments of Python become a request.
+// requestOf() makes a request of Python's keyword arguments.
 #include "python/core/bindings.h"
 
 #include <viewpeel/error.h>
@@ -6,7 +6,7 @@
 namespace viewpeel::python {
 namespace {
 
-// Sets a value where the argument is there and not None.
+// Arguments set members of a request from keyword arguments that are present and not None.
 class Arguments {
  public:
   explicit Arguments(const py::dict& arguments) : arguments_(arguments) {}
@@ -20,7 +20,7 @@ class Arguments {
   void set(const char* name, T& value) const {
     if (const std::optional<T> found = find<T>(name)) value = *found;
   }
-  // Sets one of a few words.
+  // Sets a value by one of a few words.
   template <class T, class Value>
   void choose(const char* name, Value& value, const std::vector<std::pair<const char*, T>>& choices) const {
     const std::optional<std::string> word = find<std::string>(name);
@@ -40,7 +40,7 @@ class Arguments {
   const py::dict& arguments_;
 };
 
-// As the program chooses it: one goal, by the first argument of these that is there.
+// Sets the goal as the program does: by the first of these arguments that is present.
 void setGoal(const Arguments& arguments, Request& request) {
   const auto tolerance = arguments.find<double>("tolerance"), relative = arguments.find<double>("relative"),
              seconds = arguments.find<double>("seconds"), epsilon = arguments.find<double>("epsilon");
@@ -87,7 +87,7 @@ Request requestOf(const py::dict& given) {
   request.unoccluded = arguments.find<bool>("unoccluded");
   request.pair_lines = arguments.find<bool>("pair_lines");
   request.promise = arguments.find<bool>("promise");
-  // As the program: the usual number of replicates is of an estimate, too, where it is given.
+  // A given number of replicates asks for an estimate, as in the program, even where it is the default number.
   const bool is_estimate = arguments.find<uint32_t>("replicates") && !request.promise;
   if (is_estimate && !std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
   arguments.choose<EngineKind>("engine", request.engine,

@@ -1,4 +1,4 @@
-// Results as arrays over the library's own memory, and in files.
+// This file binds results: as arrays over the library's memory, and as files.
 #include <limits>
 
 #include "python/core/bindings.h"
@@ -18,14 +18,14 @@ std::shared_ptr<const SparseRows> rowsOf(HeldResult& held) {
   return held.rows;
 }
 
-// SciPy wants starts of the columns' type where that is wide enough.
+// Returns row starts, in the columns' type where it is wide enough, for SciPy wants both alike.
 py::array startsOf(const std::shared_ptr<const SparseRows>& rows) {
   if (rows->starts.back() > std::numeric_limits<int32_t>::max()) return viewOf(rows->starts, rows);
   return arrayOf(std::vector<int32_t>(rows->starts.begin(), rows->starts.end()));
 }
 
-// In: name: of the values    Out: (values, columns, starts), as scipy.sparse.csr_array takes them; None where the
-// result has no such values
+// Returns a sparse matrix.    In: name: of its values    Out: (values, columns, starts), as scipy.sparse.csr_array
+// takes them; None where the result has no values of this name
 py::object sparse(HeldResult& held, const std::string& name) {
   const std::shared_ptr<const SparseRows> rows = rowsOf(held);
   const std::vector<double>& values = name == "form_factors"      ? rows->form_factors
@@ -36,7 +36,7 @@ py::object sparse(HeldResult& held, const std::string& name) {
   return py::make_tuple(viewOf(values, rows), viewOf(rows->columns, rows), startsOf(rows));
 }
 
-// Each exchange area stands twice, the same number: A_i F_ij = A_j F_ji.
+// Returns exchange areas as a sparse matrix; A_i F_ij and A_j F_ji are the same number.
 py::object exchangeAreas(HeldResult& held) {
   const std::shared_ptr<const SparseRows> rows = rowsOf(held);
   const FormFactors& form_factors = held.stored.form_factors;
@@ -58,7 +58,7 @@ py::object balanced(HeldResult& held) {
   return py::make_tuple(viewOf(rows->form_factors, rows), viewOf(rows->columns, rows), startsOf(rows));
 }
 
-// In: to: kEnvironment or kLeak    Out: (form factors, standard errors) of all rows
+// Returns a column.    In: to: kEnvironment or kLeak    Out: (form factors, standard errors) of all rows
 py::tuple columnTo(const HeldResult& held, uint32_t to) {
   const FormFactors& form_factors = held.stored.form_factors;
   std::vector<double> values, errors;

@@ -1,4 +1,5 @@
-// Runs without the interpreter's lock: Python's thread waits, looks at signals and shows progress.
+// Runs leave the interpreter's lock to other Python threads, while the calling thread waits, checks signals and shows
+// progress.
 #include <atomic>
 #include <chrono>
 #include <condition_variable>
@@ -14,8 +15,8 @@ namespace viewpeel::python {
 namespace {
 
 using namespace std::chrono_literals;
-constexpr auto kBetweenTicks = 50ms;       // between looks at signals
-constexpr auto kBetweenCheckpoints = 30s;  // a kill loses no more than this and a replicate
+constexpr auto kBetweenTicks = 50ms;       // between two checks for signals
+constexpr auto kBetweenCheckpoints = 30s;  // a killed run loses this time and a replicate at most
 
 py::dict dictOf(const Progress& progress) {
   py::dict all;
@@ -28,17 +29,17 @@ py::dict dictOf(const Progress& progress) {
   return all;
 }
 
-// A Watched is what the two threads share.
+// A Watched is shared by the running and the waiting thread.
 struct Watched {
   std::atomic<bool> is_stopped = false;
-  std::mutex mutex;  // of all below
+  std::mutex mutex;  // protects the members below
   std::condition_variable ended;
   bool has_ended = false;
   Progress progress;
   std::exception_ptr failure;
 };
 
-// Calls the handlers of signals and `tick`.    Out: the exception that either raised
+// Calls Python's handlers of signals, and `tick`.    Out: the exception that either raised
 std::optional<py::error_already_set> look(const Progress& progress, const py::object& tick) {
   try {
     if (PyErr_CheckSignals() != 0) throw py::error_already_set();
@@ -49,7 +50,7 @@ std::optional<py::error_already_set> look(const Progress& progress, const py::ob
   return std::nullopt;
 }
 
-// Keeps what was counted, now and then and at the end.
+// A Checkpoint writes the run's counts from time to time and at the end.
 class Checkpoint {
  public:
   explicit Checkpoint(std::string file) : file_(std::move(file)) {}
@@ -72,12 +73,12 @@ std::vector<std::string> surfaceNames(const Scene& scene) {
   return names;
 }
 
-// Counts to the end or until the observer stops it.    Out: the result; none where fewer than 2 replicates are there
+// Counts until the run ends or the observer stops it.    Out: the result; null with fewer than 2 replicates
 std::shared_ptr<HeldResult> count(const HeldScene& held, const Request& request, const std::string& checkpoint,
                                   bool resumes, const Observer& observer) {
   FormFactorRun run(*held.scene, request, observer);
   if (resumes) run.resumeFrom(checkpoint);
-  if (!checkpoint.empty()) run.settings();  // refuses runs that checkpoints cannot keep
+  if (!checkpoint.empty()) run.settings();  // refuses runs that a checkpoint cannot hold
   run.makePlan();
   Checkpoint kept(checkpoint);
   while (!run.isDone()) {

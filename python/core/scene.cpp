@@ -1,4 +1,4 @@
-// Scenes from files and from arrays.
+// This file binds scenes, from files and from arrays.
 #include "python/core/bindings.h"
 
 #include <viewpeel/error.h>
@@ -15,7 +15,8 @@ HeldScene hold(Scene scene, SceneOptions options) {
 
 [[noreturn]] void refuse(const std::string& message) { throw Error(ErrorCode::bad_input, message); }
 
-// In: points: n x 3; corners: indices of points, polygon after polygon; starts: polygons + 1; surfaces: of each polygon
+// Makes a scene.    In: points: n x 3; corners: indices of points, polygon by polygon; starts: polygons + 1; surfaces:
+// by polygon
 InputScene inputOf(const Points& points, const Indices& corners, const Indices& starts, const Indices& surfaces,
                    std::vector<std::string> names, std::string title) {
   if (points.ndim() != 2 || points.shape(1) != 3) refuse("points: not an array of n x 3 coordinates");

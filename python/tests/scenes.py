@@ -1,4 +1,4 @@
-"""Scenes that tests share."""
+"""These scenes are shared by tests."""
 
 import os
 

@@ -1,4 +1,4 @@
-"""compute: scenes of every kind, options, errors."""
+"""These tests call compute() with scenes of every kind, with options, and with errors."""
 
 import os
 import subprocess
@@ -13,7 +13,7 @@ from scenes import PLATE_POINTS, PLATES, PLATES_F, PROGRAM, scene_file
 
 
 def expect_plates(test, result):
-    """What nothing blocks is exact to 1e-7 (docs/accuracy.md, unoccluded form factors)."""
+    """A pair that nothing blocks is exact to 1e-7 (docs/accuracy.md, unoccluded form factors)."""
     test.assertEqual(result.form_factors.shape, (2, 2))
     test.assertLess(abs(result.form_factors[0, 1] - PLATES_F), 1e-7)
 
@@ -31,7 +31,7 @@ class Scenes(unittest.TestCase):
                        "--resolution", "64", "--quiet", "-o", theirs]  # fmt: skip
             subprocess.run(command, check=True)
             self.assertEqual(open(ours).read(), open(theirs).read())
-            # Another seed is another result: the comparison can fail.
+            # Negative control: another seed gives other bytes.
             viewpeel.compute(scene_file("office.obj"), by="surface", directions=16, resolution=64, seed=2).save(ours)
             self.assertNotEqual(open(ours).read(), open(theirs).read())
 
@@ -73,7 +73,7 @@ class Scenes(unittest.TestCase):
         self.assertEqual(result.names, ["low", "high"])
 
     def test_a_mesh_with_vertices_and_faces(self):
-        """As trimesh.Trimesh has them; Debian has no trimesh."""
+        """A mesh with the attributes of trimesh.Trimesh; Debian has no trimesh."""
 
         class Mesh:
             vertices = PLATE_POINTS

@@ -1,4 +1,4 @@
-"""solve: against closed forms, and the program."""
+"""These tests compare solve() with closed forms and with the program."""
 
 import os
 import subprocess
@@ -35,7 +35,7 @@ class Heat(unittest.TestCase):
             numpy.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * SIGMA * 400**4)
 
     def test_bounds_hold_the_answers(self):
-        """A guarantee bounds every answer: an estimate's interval of 5 standard errors meets it, twice the answer does not."""
+        """A guarantee bounds every answer: 5 standard errors of an estimate overlap the bounds, and twice the answer does not."""
         scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
         bounded = viewpeel.solve(scene, materials, epsilon=2e-2)
         estimate = viewpeel.solve(scene, materials, tolerance="0.5%")

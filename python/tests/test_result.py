@@ -1,4 +1,4 @@
-"""Result: matrices, arrays, tables, pictures, files."""
+"""These tests look at a Result: matrices, arrays, tables, pictures, files."""
 
 import base64
 import json
@@ -120,7 +120,7 @@ class Results(unittest.TestCase):
         self.assertEqual(head["rows"], len(self.result))
         self.assertEqual(head["entries"], self.result.form_factors.nnz)
         self.assertTrue(head["has_scene"])
-        # An array's bytes stand shuffled, deflated, in base64: all first bytes, then all second bytes, ...
+        # Each array's bytes are shuffled (all first bytes, then all second bytes, ...), deflated and written in base64.
         place = [part["name"] for part in head["arrays"]].index("form_factor.0")
         packed = re.search(f'id="block-{place}">(.*?)</script>', page).group(1)
         shuffled = numpy.frombuffer(zlib.decompress(base64.b64decode(packed)), dtype=numpy.uint8)

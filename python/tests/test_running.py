@@ -1,4 +1,4 @@
-"""Runs that are watched, stopped and gone on with; other threads meanwhile."""
+"""These tests watch, stop and continue runs, and run other threads meanwhile."""
 
 import os
 import signal
@@ -12,12 +12,12 @@ import numpy
 import viewpeel
 from scenes import scene_file
 
-# Replicates of some 0.1 s each, minutes in all.
+# Each replicate takes some 0.1 s, and the whole run minutes.
 LONG = dict(by="surface", directions=256, resolution=256, replicates=2000, pair_lines=False)
 
 
 class StopAfter:
-    """Sends Ctrl-C once so many replicates are done."""
+    """Sends Ctrl-C after this number of replicates."""
 
     def __init__(self, replicates):
         self.replicates, self.sent = replicates, False
@@ -39,7 +39,7 @@ class Running(unittest.TestCase):
             self.assertGreaterEqual(counted, 3)
             self.assertIsInstance(stopped, KeyboardInterrupt)
             self.assertEqual(stopped.checkpoint, file)
-            # Gone on with to the same number of replicates and more, it has the bits of a run that never stopped.
+            # A run that is continued to more replicates has the bits of a run that never stopped.
             whole = dict(LONG, replicates=counted + 2)
             again = viewpeel.compute(scene_file("office.obj"), checkpoint=file, resume=True, **whole)
             at_once = viewpeel.compute(scene_file("office.obj"), **whole)
@@ -80,7 +80,7 @@ class Running(unittest.TestCase):
         took = time.monotonic() - begun
         is_over.set()
         other.join()
-        # A thread kept out would have one or two; a loaded machine keeps it from a hundred a second.
+        # A thread without the lock would tick once or twice; an unloaded machine gives it a hundred ticks a second.
         self.assertGreater(len(ticks), 10 * took)
 
     def test_two_runs_at_once_have_the_bits_of_one(self):

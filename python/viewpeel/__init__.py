@@ -6,8 +6,8 @@
     result.standard_errors   # the same shape
     result.save("room.h5")
 
-Errors of input or usage are ValueError, with the line that the program prints; files that cannot be written OSError;
-devices and limits viewpeel.Error. docs/python.md of the project has more.
+Errors of input or usage raise ValueError, with the line that the program prints. Files that cannot be written raise
+OSError; devices and limits raise viewpeel.Error. docs/python.md of the project has more.
 """
 
 from ._compute import Interrupted, compute

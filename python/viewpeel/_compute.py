@@ -1,4 +1,4 @@
-"""The one call that computes form factors."""
+"""compute() computes form factors."""
 
 from __future__ import annotations
 
@@ -17,8 +17,8 @@ Progress = Dict[str, Union[int, float]]
 class Interrupted(KeyboardInterrupt):
     """Ctrl-C stopped a run.
 
-    result: the Result of the replicates counted, or None where there are fewer than two
-    checkpoint: the file that has the counts, to go on with by resume=True; None where none was given
+    result: the Result of the replicates counted so far, or None with fewer than two
+    checkpoint: the file with the counts, from which resume=True continues; None where no file was given
     """
 
     def __init__(self, result: Optional[Result], checkpoint: Optional[str]):
@@ -28,7 +28,7 @@ class Interrupted(KeyboardInterrupt):
 
 
 class _ProgressBar:
-    """tqdm's bar of replicates."""
+    """A bar of tqdm that counts replicates."""
 
     def __init__(self, kind: Any):
         self._bar = kind(unit=" replicates", leave=False)
@@ -97,40 +97,41 @@ def compute(
     progress: Union[bool, Callable[[Progress], None]] = False,
     **scene_options: Any,
 ) -> Result:
-    """Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs, as `viewpeel compute` does with the options of these names.
+    """Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs, as `viewpeel compute` does with options of the same names.
 
     In:
-        scene: one of
+        scene: one of these:
             a file (.obj, .stl, .ply, .vs3, .inp, .msh, .vtp, .vtu),
             (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
                 indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
             a mesh of meshio, trimesh, pyvista (PolyData) or VTK
-        tolerance: largest error, above 0; the default goal: promised where that costs little more (see promise), else
-            estimated
-        relative: largest standard error as a share of its form factor, over those of at least `floor` (0.01)
-        seconds: time limit, s; with another goal: stop short of it
-        epsilon, delta, rows: a guarantee: every form factor within epsilon with probability 1 - delta (0.01); with
-            rows=True the environment of each row, too
-        directions, replicates, resolution: in place of a plan
+        tolerance: largest error, above 0. It is the default goal, promised where a promise costs little more (see
+            promise), else estimated
+        relative: largest relative standard error, over form factors of at least `floor` (0.01)
+        seconds: time limit, s; with another goal the run may stop before it
+        epsilon, delta, rows: a guarantee: with probability 1 - delta (0.01) every form factor is within epsilon; with
+            rows=True each row's environment is, too
+        directions, replicates, resolution: fixed amounts, instead of a plan
         by: rows are "polygon" or "surface"
-        rows_of, pair, blockers: names of surfaces or polygons ("desk[3]"): rows wanted; the one pair wanted; those that
-            only block
+        rows_of, pair, blockers: names of surfaces or polygons ("desk[3]"): rows to compute; the one pair to compute;
+            obstacles that neither emit nor receive
         two_sided: both sides emit and receive
-        balance: also the nearest form factors whose rows sum to 1, of closed scenes
+        balance: computes also the nearest form factors whose rows sum to 1; for closed scenes
         seed: the same seed and plan give the same bits
         engine, device, threads, sampling, sampler, unoccluded, pair_lines: as the program's options
-        promise: whether the tolerance is promised, with an interval for each form factor (`bounds`); by default where
-            that costs at most twice an estimate, and never with a checkpoint
-        checkpoint, resume: a file that keeps the counts, written at the end, on Ctrl-C and every half minute
-        progress: True for tqdm's bar, or a function of a dict of replicates, largest_standard_error, directions,
-            directions_of_replicate, expected_blocks, most_blocks, called some 20 times a second; what it raises stops
-            the run and passes on
+        promise: whether the tolerance is a guarantee, with an interval for each form factor (`bounds`). By default it
+            is where a guarantee costs at most twice an estimate, and never with a checkpoint
+        checkpoint, resume: a file for the counts, written at the end, on Ctrl-C and every half minute; whether to
+            continue from it
+        progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: replicates,
+            largest_standard_error, directions, directions_of_replicate, expected_blocks, most_blocks. An exception
+            that it raises stops the run and is passed on
         scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft")
     Out: Result of the scene's rows
-    Error: as the goal demands; standard errors are estimates, intervals of a guarantee bounds
+    Error: as the goal demands; standard errors are estimates, and intervals of a guarantee are bounds
     Raises: ValueError with the program's line for bad scenes and options; Interrupted on Ctrl-C; OSError; Error;
         MemoryError
-    Cost: as the program, and less than 1 ms a call more; other Python threads run meanwhile
+    Cost: as the program, plus less than 1 ms a call; other Python threads run meanwhile
     """
     arguments: Dict[str, Any] = dict(
         tolerance=tolerance, relative=relative, seconds=seconds, epsilon=epsilon, delta=delta, rows=rows,

@@ -18,12 +18,12 @@ _OF_MATERIAL = {"emissivity", "temperature", "heat_flux"}
 
 
 class Heat:
-    """Answers of an enclosure. Each of temperature (K), radiosity, irradiation, heat_flux (W/m2) and heat_flow (W where
-    the unit of length is the metre) is an n float64 array, one number a row; NAME_standard_errors has the errors that
-    the form factors' errors cause. name, area and emissivity say which row it is. NAME_bounds are bounds of all errors,
-    which hold together with the probability of the form factors' guarantee; None where these have no intervals.
+    """The answers of an enclosure, as arrays of n float64, one number a row: temperature (K), radiosity, irradiation,
+    heat_flux (W/m2) and heat_flow (W if the unit of length is the metre). NAME_standard_errors are the errors that
+    follow from the form factors' errors. NAME_bounds are bounds on the errors, which hold together with the probability
+    of the form factors' guarantee; None without a guarantee. name, area and emissivity describe the rows.
 
-    by_surface=False: rows are those of the form factors; True: sums and means over each surface.
+    With by_surface=False rows are those of the form factors, with True they are sums and means over surfaces.
     """
 
     def __init__(self, held: _core.Heat, by_surface: bool):
@@ -38,7 +38,7 @@ class Heat:
 
     @property
     def form_factors(self) -> Result:
-        """The form factors that the answers come from."""
+        """The form factors from which the answers were computed."""
         return Result(self._held.form_factors)
 
     @property
@@ -48,15 +48,15 @@ class Heat:
 
     @property
     def balance_residual(self) -> float:
-        """All heat flows less that to the environment: 0 but for rounding."""
+        """The sum of all heat flows less the heat flow to the environment: 0 but for rounding."""
         return self._held.balance_residual
 
     def by_surface(self) -> "Heat":
-        """The same answers, summed and averaged over each surface."""
+        """Returns the same answers, summed or averaged over each surface."""
         return Heat(self._held, True)
 
     def to_frame(self) -> Any:
-        """pandas.DataFrame with a line a row, as .csv has them."""
+        """Returns a pandas.DataFrame with the columns of a .csv."""
         import pandas
 
         columns = {"name": self.name, "area": self.area, "emissivity": self.emissivity}
@@ -135,13 +135,13 @@ def solve(
 
     In:
         scene: a Result of all rows, or whatever compute() takes
-        materials: a .csv file of materials, or {name: {"emissivity": 0..1, and one of "temperature": K and
-            "heat_flux": W/m2}}; names of surfaces or polygons, with wildcards * and ?, or "default"
-        environment: temperature of what lies outside, K; needed for open scenes
-        options: of compute(), where scene is no Result; by="surface" unless said otherwise. With epsilon all answers
-            have bounds. tolerance may also be a text: largest standard error of the answers, "0.1K" of temperatures,
-            "2W/m2" of heat fluxes, "1%" of heat flows as a share of all heat; then form factors are computed until
-            the answers have it, or the time limit `seconds` is up, with a warning
+        materials: a .csv file of materials, or {name: {"emissivity": 0..1, and either "temperature": K or "heat_flux":
+            W/m2}}; a name is a surface or polygon, with wildcards * and ?, or "default"
+        environment: temperature of the surroundings, K; needed for open scenes
+        options: options of compute(), if scene is no Result; `by` is "surface" by default. With epsilon all answers
+            have bounds. tolerance may also be a text, the largest standard error of the answers: "0.1K" of
+            temperatures, "2W/m2" of heat fluxes, "1%" of heat flows over all heat. Then form factors are computed
+            until the answers are that exact, or the time limit `seconds` is up, with a warning
     Out: Heat
     Error: standard errors of first order; of the equations 1e-11 of the largest radiosity
     Raises: ValueError with the program's line; Error; as compute()
@@ -155,5 +155,5 @@ def solve(
     if isinstance(options.get("tolerance"), str):
         return _solve_to(scene, table, options.pop("tolerance"), options)
     if options.get("epsilon") is not None:
-        options.setdefault("pair_lines", True)  # they give an interval for each pair
+        options.setdefault("pair_lines", True)  # pair lines give an interval for each pair
     return Heat(_core.solve(compute(scene, **options)._held, table), False)

@@ -1,4 +1,4 @@
-"""A picture of a result."""
+"""plot() draws a result."""
 
 from __future__ import annotations
 
@@ -9,12 +9,12 @@ import numpy
 if TYPE_CHECKING:
     from ._result import Result
 
-_MOST_CELLS = 1000  # across the picture of the matrix: beyond, cells hold the largest of several form factors
+_MOST_CELLS = 1000  # across the picture; with more rows a cell shows the largest of several form factors
 _MOST_NAMES = 25
 
 
 def _cells(result: "Result") -> Any:
-    """F as a dense picture; each cell has the largest of the form factors that fall into it, NaN where none does."""
+    """Returns F as a dense picture; each cell is the largest form factor in it, or NaN where all are 0."""
     pairs, count = result.form_factors.tocoo(), len(result)
     across = min(count, _MOST_CELLS)
     picture = numpy.zeros((across, across))

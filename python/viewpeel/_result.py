@@ -1,4 +1,4 @@
-"""Results: sparse matrices, arrays of rows, tables, pictures and files."""
+"""A Result gives sparse matrices, arrays of rows, tables, pictures and files."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ Floats = NDArray[numpy.float64]
 
 
 class Closure(NamedTuple):
-    """How far row sums are from 1: the largest distance with its standard error, the rms, the row of the largest."""
+    """The distances of row sums from 1: the largest with its standard error, the rms, and the row of the largest."""
 
     largest: float
     standard_error: float
@@ -38,7 +38,7 @@ class Result:
     """Form factors of n rows, with their errors. Rows are in the order of the scene; empty rows keep their places.
 
     Sparse matrices are n x n; entry [i, j] is from row i to row j, and F_ij is without unit. Arrays that share memory
-    with the library are this result's own: changing them changes no file that save() writes.
+    with the library cannot change the files that save() writes.
     """
 
     def __init__(self, held: _core.Result):
@@ -62,7 +62,7 @@ class Result:
 
     @cached_property
     def exchange_areas(self) -> csr_array:
-        """A_i F_ij, input units squared; symmetric to the last bit where both rows were asked for."""
+        """A_i F_ij, input units squared; symmetric to the last bit where both rows were requested."""
         return self._matrix(self._held.exchange_areas())
 
     @cached_property
@@ -72,8 +72,8 @@ class Result:
 
     @cached_property
     def bounds(self) -> Optional[tuple[csr_array, csr_array]]:
-        """(lower, upper) of a guarantee, or None. A pair without an entry is at most `unlisted_bound`, as seen from
-        the smaller of the two."""
+        """The matrices (lower, upper) of a guarantee, or None. Where a pair has no entry, its form factor from the
+        smaller row is at most `unlisted_bound`."""
         lower = self._matrix(self._held.sparse("lower"))
         return None if lower is None else (lower, self._matrix(self._held.sparse("upper")))
 
@@ -104,7 +104,7 @@ class Result:
 
     @cached_property
     def leak(self) -> Floats:
-        """F from each row onto backs of polygons, n float64: flipped polygons and open solids show up here."""
+        """F from each row onto backs of polygons, n float64; above 0 where polygons are flipped or solids open."""
         return self._held.leak()[0]
 
     @cached_property
@@ -114,36 +114,36 @@ class Result:
 
     @cached_property
     def row_sums(self) -> Floats:
-        """Sum of each row as counted, environment and leak included, n float64; 0 where a row was not asked for."""
+        """Sum of each row as counted, environment and leak included, n float64; 0 for rows that were not requested."""
         return self._held.row_sums()
 
     @cached_property
     def closure(self) -> Optional[Closure]:
-        """Distance of row sums from 1; None for a question that leaves out what a row can see."""
+        """Distance of row sums from 1; None where the question leaves out some of the radiation from its rows."""
         found = self._held.closure()
         return None if found is None else Closure(*found)
 
     @cached_property
     def parameters(self) -> dict[str, Union[int, float, str]]:
-        """Settings by name, and the amount counted: seed, replicates, all_directions, all_lines and so on."""
+        """Settings of the run by name, and the amount counted: seed, replicates, all_directions, all_lines and so on."""
         return {name: _number(value) for name, value in self._held.parameters}
 
     @property
     def warnings(self) -> list[str]:
-        """What the run noticed, a line each."""
+        """Warnings of the run, a line each."""
         return self._held.warnings
 
     @property
     def seconds(self) -> float:
-        """Time of the run, s; 0 for a result that was read."""
+        """Time of the run, s; 0 for a result from a file."""
         return self._held.seconds
 
     def __len__(self) -> int:
         return len(self.names)
 
     def to_frame(self) -> Any:
-        """pandas.DataFrame of the nonzero entries, as .csv has them: from, to, form_factor, standard_error, and with a
-        guarantee lower, upper. `environment` and `leak` stand in `to`, after the pairs."""
+        """Returns a pandas.DataFrame of the nonzero entries, with the columns of a .csv: from, to, form_factor,
+        standard_error, and with a guarantee lower and upper. After the pairs, `to` is `environment` and `leak`."""
         import pandas
 
         pairs, errors = self.form_factors.tocoo(), self.standard_errors
@@ -170,19 +170,19 @@ class Result:
         return pandas.concat(frames, ignore_index=True)
 
     def save(self, file: Union[str, "os.PathLike[str]"], show: Sequence[str] = ()) -> None:
-        """Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html or .vwf (docs/formats.md). It is whole at
-        any time, or untouched.
+        """Writes a file by its extension: .csv, .mtx, .npz, .h5, .vtp, .html or .vwf (docs/formats.md). The file is
+        never half written.
 
-        In: show: surfaces or polygons whose form factors to everything are arrays of .vtp
-        Raises: ValueError for an unknown extension or name, and for .vtp of a result that was read; OSError
+        In: show: names of surfaces or polygons; a .vtp gets an array with the form factors from each
+        Raises: ValueError for an unknown extension or name, and for a .vtp of a result from a file; OSError
         """
         self._held.save(os.fspath(file), list(show))
 
     def report(self, file: Union[str, "os.PathLike[str]"]) -> None:
-        """Writes one page for a browser, which needs no network: the scene in colours, tables and charts.
+        """Writes a page for a browser without a network: the scene in colours, tables and charts.
 
-        In: file: a name that ends in .html. The page of a result that was read has no scene: `viewpeel report` makes
-        one of a .h5
+        In: file: a name that ends in .html. The page of a result from a file has no scene; `viewpeel report` makes a
+        page with a scene from a .h5
         Raises: ValueError for another name, or where viewpeel was built without the page; OSError
         """
         if not os.fspath(file).endswith(".html"):
@@ -190,7 +190,7 @@ class Result:
         self.save(file)
 
     def plot(self) -> Any:
-        """matplotlib.figure.Figure: the matrix, F_ij in logarithmic colours, and a histogram of standard errors."""
+        """Returns a matplotlib.figure.Figure: the matrix F_ij in logarithmic colours, and a histogram of errors."""
         from ._plot import plot
 
         return plot(self)
@@ -221,7 +221,7 @@ class Result:
 def load(file: Union[str, "os.PathLike[str]"]) -> Result:
     """Reads a .h5 that save() or `viewpeel compute -o` wrote.
 
-    Out: Result; exchange areas are made of the F_ij stored, so that numbers may differ in the last digit
+    Out: Result; exchange areas are computed from the stored F_ij, so numbers may differ in the last digit
     Raises: ValueError where the file is no .h5 of results, cut off or damaged
     """
     return Result(_core.load(os.fspath(file)))

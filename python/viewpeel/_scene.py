@@ -1,4 +1,4 @@
-"""Scenes from files, arrays, and the meshes of meshio, trimesh, pyvista and VTK."""
+"""scene_of() makes scenes of files, arrays, and meshes of meshio, trimesh, pyvista and VTK."""
 
 from __future__ import annotations
 
