@@ -28,8 +28,7 @@ class CheckpointKeeper {
  public:
   // Lets the run continue from its checkpoint, if there is one. Call it before the run's plan.
   //   Throws: Error bad_usage where the file exists without --resume, belongs to another run, is in use by another run,
-  //   or
-  //    cannot be written; as FormFactorRun::resumeFrom.
+  //     or cannot be written; as FormFactorRun::resumeFrom.
   CheckpointKeeper(const CheckpointOptions& options, FormFactorRun& run);
 
   // Returns a line about the checkpoint that was found.

@@ -9,8 +9,8 @@ namespace viewpeel {
 // Writes to a temporary file in the same folder, waits until the disk has the bytes, and renames it to `file`. So
 // `file` is whole or untouched at any time, even after a power cut.
 //   A file that existed keeps its mode and, where the system allows it, its owner. A symbolic link stays, and its
-//   target
-//    is replaced. A program that is killed meanwhile leaves the temporary file: FILE, 16 hexadecimal digits, and .part.
+//     target is replaced. A program that is killed meanwhile leaves the temporary file: FILE, 16 hexadecimal digits,
+//     and .part.
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 

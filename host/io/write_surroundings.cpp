@@ -1,6 +1,5 @@
 // writeSurroundings() writes SurfaceProperty:SurroundingSurfaces and SurfaceProperty:LocalEnvironment for EnergyPlus,
-// as
-//   IDF or epJSON.
+// as IDF or epJSON.
 //     Source: EnergyPlus Input Output Reference, and its schema; HeatBalanceSurfaceManager.cc, which refuses sums > 1.
 #include <algorithm>
 #include <limits>

@@ -4,9 +4,8 @@
 //   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
 //   angles   from a point of the smaller patch to the other patch's plane, at height h. The line ends at h tan(a) and h
 //            tan(b) from the point's foot, with a and b uniform. This way is for near patches: there weights of lines
-//            by
-//            points vary without bound, and weights of lines by angles vary little. Start points are denser where the
-//            other patch looks larger;
+//            by points vary without bound, and weights of lines by angles vary little. Start points are denser where
+//            the other patch looks larger;
 //   contact  from a point of one patch to the same point of the other; for patches of one plane, face to face.
 // In all three the share of the weight that nothing blocks is the visibility of the pair (docs/method.md).
 //

@@ -121,8 +121,7 @@ bool FormFactorRun::State::findLinePairs() {
   return !pair_lines->hasTooMany();
 }
 
-// Plans a few common directions and the lines of each pair: a promise where possible, else an
-// estimate.
+// Plans a few common directions and the lines of each pair: a promise where possible, else an estimate.
 void FormFactorRun::State::planPairLines() {
   if (!makePairLines()) return planWithoutPairLines("coincident polygons have no order");
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");

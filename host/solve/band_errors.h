@@ -15,8 +15,7 @@ constexpr size_t kMostSources = 512;
 class BandErrors {
  public:
   //   In: measured, closed, system: after solve(), used during the call only; most_sources: with more errors of
-  //   exchange
-  //    areas there are probes
+  //     exchange areas there are probes
   //   Cost: BandSystem::respond for each column.
   BandErrors(const FormFactors& measured, const ClosedExchange& closed, const BandSystem& system,
              size_t most_sources = kMostSources);

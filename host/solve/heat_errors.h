@@ -12,8 +12,8 @@ constexpr uint32_t kProbes = 128;
 
 // HeatErrors computes standard errors of sums sum_k c_k H_k of irradiations.
 //   Up to kMostExactRows rows they follow from the inverse matrix. With more rows there are kProbes sets of random
-//   signs, a
-//    sign for each pair's error. The mean square over these probes is the variance, to 1/16 of the standard error.
+//   signs, a sign for each pair's error. The mean square over these probes is the variance, to 1/16 of the standard
+//   error.
 class HeatErrors {
  public:
   //   In: measured: entries with standard errors, taken as independent; closed: made of them; irradiation: with the

@@ -22,8 +22,7 @@ struct Outside {
 
 // Makes the outside of an enclosure.
 //   In: enclosure: temperatures of the environment, or of sky and ground; power_of: emissive power of a temperature,
-//   W/m2,
-//    less the solution's shift
+//     W/m2, less the solution's shift
 //   Throws: Error bad_usage where sky and ground have temperatures, but their shares are missing for some rows.
 Outside makeOutside(const ClosedExchange& closed, const Enclosure& enclosure,
                     const std::function<double(double temperature)>& power_of);

@@ -1,9 +1,9 @@
-/* The library for C, and for languages that call C: the shared library viewpeel_c has these functions alone.
+/* This is the interface for C and languages that call C. The shared library viewpeel_c exports these functions alone.
  *
- * Scenes and results are opaque and freed by their caller. A function that can fail returns a status, and leaves
- * what it was to set untouched; viewpeel_last_error says why in one line. No exception leaves a function. Strings
- * are UTF-8 and end in 0; those returned belong to their scene or result. Different threads may use one scene or
- * result at once. */
+ * Scenes and results are opaque and freed by their caller. A function that can fail returns a status; on failure it
+ * sets no output, and viewpeel_last_error gives the reason in one line. No exception leaves a function. Strings are
+ * UTF-8 and end in 0; returned strings belong to their scene or result. Different threads may use one scene or result
+ * at once. */
 #ifndef VIEWPEEL_C_H
 #define VIEWPEEL_C_H
 
@@ -23,7 +23,7 @@ extern "C" {
 typedef struct viewpeel_scene viewpeel_scene;
 typedef struct viewpeel_result viewpeel_result;
 
-/* The codes of viewpeel::ErrorCode, and two more. */
+/* These are the codes of viewpeel::ErrorCode, and two more. */
 typedef enum viewpeel_status {
   VIEWPEEL_OK = 0,
   VIEWPEEL_BAD_INPUT = 1, /* a file or array says something that is not a scene, or not a result */
@@ -36,11 +36,11 @@ typedef enum viewpeel_status {
   VIEWPEEL_STOPPED = 8 /* should_stop ended the run before there were two replicates */
 } viewpeel_status;
 
-/* These stand in the place of a second row: radiation that leaves the scene, and that ends on a back. */
+/* These take the place of a second row, for radiation that leaves the scene, and radiation that ends on a back. */
 #define VIEWPEEL_ENVIRONMENT 0xFFFFFFFEu
 #define VIEWPEEL_LEAK 0xFFFFFFFFu
 
-/* What to compute. 0 is the default everywhere: `viewpeel_options options = {0};`. */
+/* Options say what to compute. 0 is the default of each: `viewpeel_options options = {0};`. */
 typedef struct viewpeel_options {
   double tolerance;      /* largest standard error; a default goal where no goal is given */
   double relative;       /* largest standard error as a share of its form factor */
@@ -50,13 +50,13 @@ typedef struct viewpeel_options {
   int two_sided;         /* both sides emit and receive */
   uint32_t threads;      /* 0: one for each core */
   uint64_t seed;         /* 0 counts as 1 */
-  /* Called often, from any thread; a run ends where it returns other than 0. May be NULL. */
+  /* The run calls it often, from any thread, and ends if it returns a value other than 0. It may be NULL. */
   int (*should_stop)(void* context);
   void* context;
   int promise; /* the tolerance, as viewpeel::Request::promise. 0: where it costs little; 1: on; -1: off */
 } viewpeel_options;
 
-/* Form factors as compressed sparse rows: entries of row i are from starts[i] to starts[i + 1]. */
+/* Rows are compressed sparse rows of form factors: entries of row i are from starts[i] to starts[i + 1] - 1. */
 typedef struct viewpeel_rows {
   size_t row_count, entry_count;
   const int64_t* starts;  /* row_count + 1 */
@@ -65,7 +65,7 @@ typedef struct viewpeel_rows {
   const double *lower, *upper; /* intervals of a guarantee; else NULL */
 } viewpeel_rows;
 
-/* Returns the line of the latest failure on this thread; "" before any. It holds until the next call that fails. */
+/* Returns the message of the latest failure on this thread; "" before any. It stays valid until the next failure. */
 VIEWPEEL_API const char* viewpeel_last_error(void);
 /* Returns the library's version: "0.2.0". */
 VIEWPEEL_API const char* viewpeel_version(void);

@@ -1,4 +1,4 @@
-// computeFormFactors goes the whole way from a Request to a Result in one call; FormFactorRun goes it step by step.
+// computeFormFactors() turns a Request into a Result in one call; FormFactorRun does the same step by step.
 #pragma once
 #include <cmath>
 #include <cstdint>
@@ -17,8 +17,8 @@ namespace viewpeel {
 
 struct RunSums;
 
-// Settings are name and value, as text, of everything that decides about the counts of a run. Two runs with the same
-// settings have the same counts in the same replicate.
+// Settings are name and value, as text, of everything that affects the counts of a run. Two runs with the same settings
+// have the same counts in the same replicate.
 using Settings = std::vector<std::pair<std::string, std::string>>;
 
 // Progress says how far a run has come.
@@ -52,7 +52,7 @@ struct Observer {
 class FormFactorRun {
  public:
   // Chooses engine and sampling, and opens the device.
-  //   Throws: Error bad_usage where the request contradicts itself or the scene; Error device.
+  //   Throws: Error bad_usage where the request contradicts itself or does not suit the scene; Error device.
   explicit FormFactorRun(const Scene& scene, Request request = {}, Observer observer = {});
   ~FormFactorRun();
   FormFactorRun(FormFactorRun&&) noexcept;

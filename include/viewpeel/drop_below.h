@@ -1,4 +1,4 @@
-// Small form factors can be left out of a matrix, and each row keeps what they add up to.
+// dropBelow() leaves small form factors out of a matrix. Each row keeps the sum of the form factors it lost.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,11 +7,11 @@
 
 namespace viewpeel {
 
-// DroppedSums has what was left out of each row.
+// DroppedSums says how much was left out of each row.
 struct DroppedSums {
-  double least = 0;            // form factors below it were left out
-  std::vector<Measured> sums;  // of each id, sum of the F_ij left out; the standard errors are taken for independent
-  uint64_t pairs = 0;          // left out
+  double least = 0;            // smaller form factors were left out
+  std::vector<Measured> sums;  // by id: sum of the F_ij left out; their standard errors are taken as independent
+  uint64_t pairs = 0;          // number of pairs left out
 };
 
 struct DroppedBelow {
@@ -19,8 +19,8 @@ struct DroppedBelow {
   DroppedSums dropped;
 };
 
-// Leaves out pairs i, j with F_ij and F_ji both below a bound. Environment, leak and row sums stay as they are, so that
-// the entries kept, environment, leak and the sum left out add up to the row sum.
+// Leaves out pairs whose F_ij and F_ji are both below a bound. Environment, leak and row sums stay the same: a row's
+// sum is what it keeps, with environment and leak, plus the sum left out.
 //   In: form_factors: n ids; least: in (0, 1)
 //   Out: the pairs kept, in the same order, with their intervals. A pair that was left out has the interval from 0 to
 //     the largest upper bound of all of them.

@@ -13,7 +13,7 @@
 
 namespace viewpeel {
 
-// An EnvironmentRequest says which rows are meant, which way is up, and how exact their form factors have to be.
+// An EnvironmentRequest says which rows to measure, which way is up, and how exact their form factors must be.
 struct EnvironmentRequest {
   By by = By::polygon;
   bool two_sided = false;
@@ -29,19 +29,20 @@ struct EnvironmentRequest {
 struct EnvironmentParts {
   Ids ids;                         // of the rows
   std::vector<Measured> up, down;  // form factors, one for each row
-  std::vector<Measured> all;       // both together
-  // The share of the part above in all that leaves a row; 1/2 +- 1/2 where no line left it.
+  std::vector<Measured> all;       // up + down
+  // The share of `up` in a row's environment, up / all; 1/2 +- 1/2 where no line left the row.
   std::vector<Measured> up_share;
-  // Errors of rows are not independent, for all rows have their directions in common. Entry [r][i] is the part that
-  // replicate r has in the error of up_share[i]: its square summed over r is the square of the standard error.
+  // Errors of different rows are correlated, for all rows have their directions in common. Entry [r][i] is the
+  // contribution of replicate r to the error of up_share[i]: the sum of its squares over r is the square of the
+  // standard error.
   std::vector<std::vector<double>> up_share_errors;
   uint64_t replicates = 0, directions = 0;  // directions of all replicates together
   double largest_standard_error = 0;        // of up and down
-  bool is_reached = true;                   // false where time or directions were up before the tolerance
+  bool is_reached = true;                   // false where time or directions ran out before the tolerance was reached
 };
 
-// Measures the environment of all rows by common directions, along which environment alone is counted.
-//   F_i,up = (2 / A_i) E[A'_i,up(u)], A'_i,up being the area of the lines along u that leave i upwards
+// Measures the environment of all rows by common directions, which count nothing else.
+//   F_i,up = (2 / A_i) E[A'_i,up(u)], where A'_i,up is the area of the lines along u that leave i upwards
 //   In: scene; request
 //   Out: see EnvironmentParts
 //   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.

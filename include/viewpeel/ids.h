@@ -10,8 +10,8 @@
 
 namespace viewpeel {
 
-// These two values take the place of the second id of a pair. The environment gets the lines that leave the scene. The
-// leak gets the lines that end on the back of a polygon.
+// These two values can be the second id of a pair. kEnvironment is for lines that leave the scene, kLeak for lines that
+// end on the back of a polygon.
 constexpr uint32_t kEnvironment = 0xFFFFFFFEu;
 constexpr uint32_t kLeak = 0xFFFFFFFFu;
 

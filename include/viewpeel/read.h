@@ -10,7 +10,7 @@
 
 namespace viewpeel {
 
-// A StoredResult holds everything about form factors that a .h5 of results says.
+// A StoredResult is all that a .h5 of results says about form factors.
 struct StoredResult {
   FormFactors form_factors;                // Ids::of_polygon is empty: the file does not list polygons by id
   std::optional<FormFactors> balanced;     // balanced form factors, where the file has them

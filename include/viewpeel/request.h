@@ -15,8 +15,8 @@
 
 namespace viewpeel {
 
-// A run with a Tolerance ends once the standard error of every form factor is at most this. Where that costs little
-// more, it is promised in place of estimated: see Request::promise.
+// A run with a Tolerance ends once the standard error of every form factor is at most this. If a guarantee costs little
+// more, the tolerance becomes a guarantee: see Request::promise.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
   // The run may have a second goal: standard errors of all form factors of at least Request::relative_floor, as shares
@@ -50,33 +50,33 @@ struct EpsilonDelta {
   double epsilon = 1e-2;  // in (0, 1)
   double delta = 1e-2;    // in [0, 1); with 0 only what geometry alone proves is in the intervals
   Statistic statistic = Statistic::mean;
-  bool rows = false;  // the promise is for the environment of each row, too
-  // Lattices are so fine that a direction adds at most about this to a form factor. The range is above 2; with 0 it is
-  // planned.
+  bool rows = false;  // the guarantee also holds for each row's environment
+  // Lattices are made so fine that a direction adds at most this to a form factor, about. It is above 2; 0: the plan
+  // chooses it.
   double range = 0;
-  uint32_t block_directions = 0;  // 0: planned
+  uint32_t block_directions = 0;  // 0: the plan chooses it
 };
 
-// A FixedAmount is counted without a plan, and is the only goal.
+// A FixedAmount is counted without a plan, and replaces any other goal.
 struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  // The number of lattice spacings across is for the polygon that needs most of them, in windows. With 0 none has more
-  // than `resolution`.
+  // Windows give the polygon that needs the finest lattice this number of spacings across the scene. With 0 there are
+  // no windows.
   int finest = 0;
 };
 
 // A run has exactly one goal, which ends it.
 using Goal = std::variant<Tolerance, Relative, Seconds, EpsilonDelta, FixedAmount>;
 
-// An Amount fixes what it sets, and a plan chooses the rest. It is for goals other than FixedAmount.
+// An Amount fixes some numbers, and a plan chooses the others. It is for goals other than FixedAmount.
 struct Amount {
-  uint32_t directions = 0;  // of a replicate; 0: planned
-  uint32_t replicates = 8;  // at least
-  int resolution = 0;       // 0: planned
+  uint32_t directions = 0;  // of a replicate; 0: the plan chooses
+  uint32_t replicates = 8;  // least number
+  int resolution = 0;       // 0: the plan chooses
   int finest = 0;           // with directions and resolution only
-  bool is_exact = false;    // counts `replicates`, no more, even short of the goal: a part of a run
+  bool is_exact = false;    // counts exactly `replicates`, even short of the goal, for a part of a run
 };
 
 // Program and library give the same bits for the same request and plan.
@@ -87,40 +87,41 @@ struct Request {
 
   Goal goal = Tolerance{};
   Amount amount;
-  double relative_floor = 0.01;  // the least form factor whose relative error counts, in (0, 1]
-  // The goal is given up when this time is over. A guarantee that takes longer is refused.
+  double relative_floor = 0.01;  // smallest form factor whose relative error counts, in (0, 1]
+  // The run ends after this time even without its goal. A guarantee that takes longer is refused.
   std::optional<double> time_limit_s;
 
-  std::optional<Sampling> sampling;  // unset: the quicker for engine and scene
-  // The sampler draws directions over the sphere. Unset, it is fibonacci, better ones for a question, jittered for a
-  // guarantee.
+  std::optional<Sampling> sampling;  // unset: the quicker one
+  // The sampler draws directions over the sphere. Unset: fibonacci, or jittered for a guarantee. A question has
+  // samplers for its rows.
   std::optional<Sampler> sampler;
-  // Only the visibility of each pair's unoccluded form factor is sampled. Unset, this is done where it pays.
+  // Only the visibility of each pair is sampled, and multiplied by its unoccluded form factor. Unset: where it is
+  // quicker.
   std::optional<bool> unoccluded;
   // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
-  // They replace directions that all pairs have in common. Needs a Tolerance, Relative or
-  // EpsilonDelta; unset: where it pays.
+  // They replace directions that all pairs have in common. The goal must be a Tolerance, Relative or EpsilonDelta.
+  // Unset: where it is quicker.
   std::optional<bool> pair_lines;
-  // A Tolerance T is promised, as EpsilonDelta{T, 0.01} with rows is: every form factor is within T with probability
-  // 0.99, and has an interval. Unset: where that costs at most twice an estimate of the same largest error, and nothing
-  // else in the request is about estimates (PlanSummary::no_promise). FormFactorRun::request() has the goal then.
+  // A Tolerance T is promised: it becomes the guarantee EpsilonDelta{T, 0.01} with rows, so every form factor is within
+  // T with probability 0.99, and has an interval. Unset: where this costs at most twice an estimate of the same largest
+  // error, and no other option needs an estimate (PlanSummary::no_promise). FormFactorRun::request() has the goal then.
   std::optional<bool> promise;
   uint64_t seed = 1;             // the same seed and plan give the same bits
-  uint64_t first_replicate = 0;  // of a part of a run, for merging
+  uint64_t first_replicate = 0;  // of a part of a run, whose checkpoints can be merged
 
   EngineKind engine = EngineKind::automatic;
-  EngineFactory exact_engine;  // of EngineKind::exact, which has no lattice: the library itself has none
+  EngineFactory exact_engine;  // for EngineKind::exact; the library has no exact engine
   DeviceOptions device;
   uint32_t threads = 0;           // of the host engine; 0: one for each core
-  uint32_t batch_directions = 0;  // peeled at once; 0: by memory. Never changes a result
+  uint32_t batch_directions = 0;  // directions that are peeled at once; 0: by memory. Never changes a result
   bool measure_work = false;      // fills Result::work
 
   bool balance = false;        // fills Result::balanced: the nearest form factors whose rows sum to 1
   SceneOptions scene_options;  // how the scene was made; checkpoints name it
 };
 
-// Refuses a request that contradicts itself, whatever the scene is. Every run does so first; a program may, before it
-// reads a large scene.
+// Refuses a request that contradicts itself, whatever the scene. Every run calls it first; a program may call it before
+// it reads a large scene.
 //   In: request: any
 //   Throws: Error bad_usage, naming the program's options and the remedy. Tests: tests/unit/front_door_test.cpp.
 //   Cost: O(1).

@@ -8,7 +8,7 @@ namespace viewpeel {
 
 // A Sampler draws the directions of a replicate. By itself, each direction is uniform on the sphere.
 enum class Sampler {
-  iid,        // independent: the paper's own (Pellegrini 1997, section 5)
+  iid,        // independent, as in the paper (Pellegrini 1997, section 5)
   fibonacci,  // spherical Fibonacci lattice under one random rotation (Marques et al. 2013; rotation: Shoemake 1992)
   // The sphere is cut into as many regions of equal area as there are directions: zones, cut into cells (Leopardi
   // 2006). Each region gets one independent direction. One random rotation turns all of them.
@@ -26,7 +26,7 @@ inline constexpr std::array<std::pair<const char*, Sampler>, 4> kSamplerNames = 
 // Returns the name of a sampler: "fibonacci" and so on.    Cost: O(1).
 std::string nameOf(Sampler sampler);
 
-// A projection along a direction is sampled in one of two ways.
+// Sampling is one of two ways to sample a projection along a direction.
 enum class Sampling {
   lattice,  // samples are lattice points, each of weight 1
   // Samples are intervals of lattice rows, weighted by their length. An interval ends where a polygon begins or ends,

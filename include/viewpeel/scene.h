@@ -113,8 +113,8 @@ struct SceneOptions {
   std::vector<std::string> flip;    // surfaces ("desk") and faces ("desk[3]") to turn over
   bool fix_normals = false;         // turn over the shells whose backs lines hit (shells.h)
   double unit_m = 1;                // metres in one unit of the file; all results are then in metres
-  std::vector<std::string> zones;   // of an EnergyPlus building: these alone; all of them where empty
-  bool outside = false;             // an EnergyPlus building is seen from outside, in place of its zones
+  std::vector<std::string> zones;   // zones of an EnergyPlus building to read; empty: all
+  bool outside = false;             // read an EnergyPlus building from outside, without its zones
 };
 
 // Makes a scene. It checks the faces, leaves out degenerate and repeated ones, and splits the rest into convex planar

@@ -25,7 +25,7 @@ constexpr const char* kOlderBalancedColumn = "closed_form_factor";
 //     the name balanced_column; nullptr: no such column
 //   Out: 1 + (1 to 2) x nonzeros lines; form factors and standard errors without unit
 //   Error: none: numbers read back to the same bits. Tests: tests/unit/output_test.cpp.
-//   Throws: nothing; a failure is out's state.
+//   Throws: nothing; a failure to write is the state of `out`.
 //   Cost: O(nonzeros).
 void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFactors* balanced = nullptr,
               const char* balanced_column = kBalancedColumn);
@@ -55,7 +55,7 @@ struct OutputContent {
   // compare the name accept "none".
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // column of .csv for `balanced`
-  // Pairs (i, j) with i < j, ascending, whose entries are guesses: files mark them. May be nullptr.
+  // Entries of these pairs (i, j), i < j, ascending, are guesses, and files mark them. May be nullptr.
   const std::vector<std::pair<uint32_t, uint32_t>>* guesses = nullptr;
   const DroppedSums* dropped = nullptr;  // what dropBelow() left out of the form factors
 };
@@ -65,10 +65,9 @@ struct OutputContent {
 // renamed, so no reader ever sees a part of it.
 //   NAME.rows.csv has a line for each row: area, environment, leak, row sum and errors. NAME.errors.mtx and
 //     NAME.errors.npz have the standard errors.
-//   With balanced form factors .csv has one more column, and .h5 one more group. NAME.mtx and NAME.npz get a second
-//   file,
-//     NAME.balanced.mtx or NAME.balanced.npz. Files for other programs have only the balanced form factors. A .vtp
-//     leaves them out.
+//   With balanced form factors a .csv has one more column, and a .h5 one more group. NAME.mtx and NAME.npz get a second
+//     file, NAME.balanced.mtx or NAME.balanced.npz. Files for other programs have only the balanced form factors. A
+//     .vtp leaves them out.
 //   In: content: of n rows; file: a path whose folder exists    Out: the files that filesOf() names
 //   Error: none: numbers are the same doubles. Tests: tests/unit/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
@@ -78,9 +77,9 @@ struct OutputContent {
 //   Cost: O(nonzeros + polygons). .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
-// Writes what a file of this ending would hold.
+// Writes the content of a file with this ending to a stream.
 //   In: format: csv, rows.csv, mtx, errors.mtx, npz, errors.npz, h5, json or vtp
-//   Throws: as above; a failure to write is out's state.
+//   Throws: as above; a failure to write is the state of `out`.
 void writeFormFactors(const OutputContent& content, std::ostream& out, const std::string& format);
 
 // Writes form factors without any other content.    In: balanced: balanced form factors, or nullptr
