@@ -10,7 +10,7 @@ const uint kEnvironmentColumn = 0xFFFFFFFEu;
 const uint kLeakColumn = 0xFFFFFFFFu;
 
 // Returns the pair that a gap counts for.
-//   In: gap: what classifyGap returns, other than kGapNothing
+//   In: gap: by classifyGap, other than kGapNothing
 uvec2 pairOf(uint gap, uint lower_id, uint upper_id) {
   if (gap == kGapFacingPair) return uvec2(min(lower_id, upper_id), max(lower_id, upper_id));
   bool of_lower = gap == kGapLowerEnvironment || gap == kGapLowerLeak;

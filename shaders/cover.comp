@@ -1,10 +1,10 @@
 #version 460
 // One workgroup, which has to be one subgroup, takes one active tile, where blocked pairs are counted on lattice
 // points. It writes a cover for each polygon of the tile: the lattice points that the polygon covers, and the range of
-// its keys. Polygons that cover no point, or that neither emit nor receive, get none. Covers of polygons whose fronts
-// face +u stand from the beginning of the tile's range, the others from its end. It then makes meetings: a subgroup's
-// size of the former as nearer polygons, with all of the latter as farther ones. Two-sided polygons all stand at the
-// beginning, and each meets those that stand behind it.
+// its keys. Polygons that cover no point, or neither emit nor receive, get no cover. Covers of polygons whose fronts
+// face +u fill the tile's range from its beginning, other covers from its end. The shader then makes meetings. Each
+// takes up to a subgroup's size of polygons facing +u, as nearer ones, and all others, as farther ones. Two-sided
+// polygons all stand at the beginning, and each meets the polygons behind it in the range.
 //   In: active_tiles, lists, projected, corners, polygons     Out: covers, cover_polygons, meetings, status
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_control_flow_attributes : require

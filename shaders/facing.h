@@ -39,8 +39,9 @@ SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
   return two_sided || front_up == above ? kSideFront : kSideBack;
 }
 
-// Returns what a gap counts for (kGap...).
-//   In: lower_side, upper_side: what sideTowardsGap returns for the polygons that bound the gap, or kSideNone
+// Returns kGap..., which says what a gap counts for.
+//   In: the sides, by sideTowardsGap, of the polygons that bound the gap; kSideNone where there is no
+//   polygon
 SHARED_FUNCTION uint classifyGap(uint lower_side, uint upper_side) {
   if (lower_side == kSideFront) {
     if (upper_side == kSideFront) return kGapFacingPair;

@@ -1,7 +1,7 @@
 // This part of peel.glsl adds the gaps between the layers of a line to the counters.
 
-// Returns whether a gap counts, as the roles of the polygons around it say.
-//   In: gap: what classifyGap returns; lower, upper: ids with roles, as in PolygonData::id
+// Returns whether a gap counts, by the roles of the polygons around it.
+//   In: gap: by classifyGap; lower, upper: ids with roles, as in PolygonData::id
 bool isCounted(uint gap, uint lower, uint upper) {
   if (kAllCount) return gap != kGapNothing;
   uint lower_roles = lower >> kRolesShift, upper_roles = upper >> kRolesShift;
@@ -43,12 +43,12 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
-// Adds the gaps of one sample a lane to the counters: the gap below each layer that is nearer than `bound`, and, where
-// the list has ended without a lost layer, the gap above the last layer. Returns the number of gaps that were counted.
-// Gaps that count are collected first, for on lines through closed solids only every other gap counts.
-//   In: before: the last layer that has been added, or 0; at_end: whether the list has ended; is_open: whether the
-//     sample may have layers
-//   Out: before: the last layer that has been added now
+// Adds the gaps of one sample a lane to the counters: the gap below each layer that is nearer than `bound`. Where
+// the list has ended without a lost layer, it adds the gap above the last layer, too. Returns the number of gaps
+// counted. Gaps that count are collected first, for on lines through closed solids only every other gap counts.
+//   In: before: the last layer that has been added, or 0; at_end: whether the list has ended;
+//   is_open: whether the sample may have layers    Out: before: the last layer that has been added
+//   now
 uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open,
              uint weight, uint lane, inout bool cut) {
   // A gap's lower and upper polygon are held as index + 1, or 0 for none, | kBackMark where no front faces the gap.

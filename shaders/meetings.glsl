@@ -2,7 +2,7 @@
 // other, whatever lies between them. Each invocation has one polygon that may be the nearer of a pair. It goes through
 // the polygons that may be the farther one; each invocation loads one of these, and shuffles pass it on. Where the
 // ranges of their keys do not overlap, all samples that the two have in common count. Where they overlap, the keys are
-// compared sample by sample. Two-sided polygons count whichever of them is nearer.
+// compared sample by sample. A pair of two-sided polygons counts in either order.
 
 // A Party is a polygon with the samples that it covers, and the range of its keys there.
 struct Party {

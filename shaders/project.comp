@@ -11,8 +11,8 @@ layout(constant_id = 0) const bool kListed = false;  // takes only the polygons 
 layout(constant_id = 1) const bool kLists = false;   // lists the polygons that can cover lattice points
 layout(constant_id = 2) const bool kDraws = false;   // writes outlines
 
-// Moves the corner between two edges outward, so that both edges move out by kMargin. A rasteriser with rounding rules
-// of its own then still draws every lattice point that the polygon covers.
+// Moves the corner between two edges outward, so that both edges move out by kMargin. A rasteriser with other rounding
+// rules then still draws every lattice point that the polygon covers.
 //   Out: widened: the moved corner; returns false where the corner is too sharp to be moved
 bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
   const float kMargin = 1.0 / 16.0;  // spacings; rasterisers snap to 1/16 of a pixel or finer

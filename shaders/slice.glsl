@@ -91,8 +91,8 @@ void orderEnds(FoundSpans found, uint lane) {
     uint place = placeOfSpan(min(mine, found.count - 1u), found.ups), columns = spans[place].y;
     int low = endKey(firstOf(columns), mine, 0u), high = endKey(endOf(columns), mine, 1u);
     uint from = 0u, to = found.count;
-    // The lanes' spans are compared only with spans of their own rows: all spans of earlier rows come before them, and
-    // all spans of later rows behind.
+    // A lane's span is compared only with spans of its row: all spans of earlier rows come before it, and all spans of
+    // later rows behind.
     if (!kCountsBlocked) {
       [[unroll]] for (uint k = 1u; k < kMostRowsAtOnce; ++k) {
         if (found.starts[k] <= base) from = found.starts[k];

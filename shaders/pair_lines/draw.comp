@@ -15,8 +15,8 @@ shared ObstacleData obstacles[kTeams][kTileObstacles];
 shared uint most_obstacles;  // the largest obstacle_count of the workgroup's tasks
 shared float sums[kPairLinesGroup];
 
-// Each load from a buffer stands in a function of its own, because glslang crashes where a `precise` result is computed
-// from such a load directly.
+// Each load from a buffer is a separate function, because glslang crashes where a `precise` result is computed from a
+// load directly.
 LineTaskData loadTask(uint64_t tasks, uint index) { return Tasks(tasks).at[index]; }
 LineEndData loadFirst(uint64_t from, uint index) { return Pairs(from).at[index].first; }
 LineEndData loadSecond(uint64_t from, uint index) { return Pairs(from).at[index].second; }

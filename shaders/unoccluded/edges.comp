@@ -10,7 +10,7 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { EdgesArgs pushed; };
 EdgesArgs args;
 
-// Returns the edges of the part of a polygon in front of a plane: what is left of each of its own edges, then the edge
+// Returns the edges of the part of a polygon in front of a plane: the remains of the polygon's edges, then the edge
 // along the plane. They run around the part as the polygon's corners do. Corners within `rounding` of the plane are
 // kept.
 //   In: depths: the corners' depths over the plane; origin: the edges are in coordinates about this point
