@@ -40,8 +40,7 @@ SHARED_FUNCTION uint sideTowardsGap(bool front_up, bool two_sided, bool above) {
 }
 
 // Returns kGap..., which says what a gap counts for.
-//   In: the sides, by sideTowardsGap, of the polygons that bound the gap; kSideNone where there is no
-//   polygon
+//   In: the sides, by sideTowardsGap, of the polygons that bound the gap; kSideNone where there is no polygon
 SHARED_FUNCTION uint classifyGap(uint lower_side, uint upper_side) {
   if (lower_side == kSideFront) {
     if (upper_side == kSideFront) return kGapFacingPair;
