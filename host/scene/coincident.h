@@ -34,16 +34,13 @@ struct AlikeOverlap {
 
 // Sets Polygon::tie_rank and Scene::coincidences, and returns the overlaps of polygons that look the same way.
 //   An overlap is returned if it is wider than the rounding, and wider than two kCoincidenceReach or 1e-3 of the
-//   narrower
-//     polygon's width, whichever is less.
-//   Where rounding has put coincident polygons in a different order than the one found here, the function also moves
-//   them
-//     into one plane. Corners at the very same place move along. A corner moves by at most kCoincidenceReach for each
-//     such plane.
+//     narrower polygon's width, whichever is less.
+//   Where rounding has put coincident polygons in another order than the one found here, the function moves them into
+//     one plane. Other corners at exactly the same place move along. A corner moves by at most kCoincidenceReach for
+//     each plane.
 //   Of two polygons that look the same way, the first in the file lies in front, unless the order of other polygons
-//   that
-//     overlap them contradicts this (tie_ranks.h). Coincidences::alike_unordered counts the pairs whose order is left
-//     to the direction of the line.
+//     that overlap them contradicts this (tie_ranks.h). Coincidences::alike_unordered counts pairs whose order depends
+//     on the direction of the line.
 //   A ray that hits other coincident polygons waits until these polygons are ordered. Where no ray decides, the gap
 //     between two polygons does. Two polygons without a gap become a sheet. Coincidences::in_doubt counts the pairs
 //     whose rays contradict each other or never end. A warning names the first contradiction.

@@ -10,7 +10,7 @@ namespace {
 
 using Corners = std::vector<glm::dvec3>;
 
-constexpr double kLeastPiece = 1e-14;  // of the polygon's area
+constexpr double kLeastPiece = 1e-14;  // as a share of the polygon's area
 
 // Returns the part of a convex polygon where dot(normal, x) >= offset.
 Corners clip(const Corners& corners, const glm::dvec3& normal, double offset) {

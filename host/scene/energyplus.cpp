@@ -13,7 +13,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-// Surfaces given by azimuth, tilt and length.
+// These objects describe surfaces by azimuth, tilt and length, without corners.
 constexpr const char* kSimpleSurfaces[] = {"wall:exterior",
                                            "wall:adiabatic",
                                            "wall:underground",
@@ -31,7 +31,7 @@ constexpr const char* kSimpleSurfaces[] = {"wall:exterior",
                                            "door:interzone",
                                            "glazeddoor:interzone"};
 
-// Shading surfaces given by lengths.
+// These objects describe shading surfaces by lengths, without corners.
 constexpr const char* kSimpleShadings[] = {
     "shading:site",          "shading:building", "shading:overhang", "shading:fin", "shading:overhang:projection",
     "shading:fin:projection"};
@@ -55,7 +55,8 @@ std::optional<EnergyPlusShading::Of> shadingOf(const std::string& type) {
 
 bool isSimple(const std::string& type) { return std::ranges::find(kSimpleSurfaces, type) != std::end(kSimpleSurfaces); }
 
-// Outside boundary conditions tell where the field of the space, of version 9.6, is left out.
+// Returns whether a field is an outside boundary condition. If so, the file leaves out the space before it (version
+// 9.6).
 bool isBoundaryCondition(const std::string& field) {
   const std::string word = lowerCase(field);
   for (const char* whole : {"adiabatic", "surface", "zone", "space", "foundation", "outdoors"})
@@ -67,7 +68,7 @@ double numberOf(const std::string& field, const FilePlace& place) {
   return field.empty() ? 0 : parseFinite(field, place);
 }
 
-// Corners from field `first` on to the end of the object.
+// Reads corners from field `first` to the end of the object.
 std::vector<glm::dvec3> cornersOf(const IdfObject& object, size_t first) {
   size_t end = object.fields.size();
   while (end > first && object.fields[end - 1].empty()) --end;
@@ -101,7 +102,7 @@ void addWall(const IdfObject& object, size_t zone, EnergyPlusBuilding& building)
   const bool has_space = !isBoundaryCondition(object.field(zone + 1));
   if (has_space && !isBoundaryCondition(object.field(zone + 2)))
     object.place.refuse("there is no outside boundary condition behind the zone; correct it");
-  // Condition, its object, sun, wind, view factor to ground and the number of vertices come before the coordinates.
+  // The fields before the coordinates are: condition, its object, sun, wind, view factor to ground, number of vertices.
   const size_t first = zone + (has_space ? 8 : 7);
   EnergyPlusSurface surface{object.field(0),
                             object.field(zone),
@@ -114,7 +115,7 @@ void addWall(const IdfObject& object, size_t zone, EnergyPlusBuilding& building)
   building.surfaces.push_back(std::move(surface));
 }
 
-// Up to version 8.9 a shading control stood before the frame.
+// Reads a window. Up to version 8.9 it has one more field before the frame, a shading control.
 void addWindow(const IdfObject& object, EnergyPlusBuilding& building) {
   size_t end = object.fields.size();
   while (end > 0 && object.fields[end - 1].empty()) --end;
@@ -127,7 +128,7 @@ void addWindow(const IdfObject& object, EnergyPlusBuilding& building) {
 }
 
 void addShading(const IdfObject& object, EnergyPlusShading::Of of, EnergyPlusBuilding& building) {
-  // The name, of a zone's the base, a transmittance and the number of vertices come before the coordinates.
+  // The fields before the coordinates are: name, base (of a zone's shading), transmittance, number of vertices.
   const size_t first = of == EnergyPlusShading::Of::zone ? 4 : 3;
   EnergyPlusShading shading{object.field(0), of, first == 4 ? object.field(1) : "", cornersOf(object, first),
                             object.place.line};
@@ -174,7 +175,7 @@ EnergyPlusBuilding fromIdf(const std::filesystem::path& file) {
   return building;
 }
 
-// An object of epJSON, for messages: file: Class 'name'.
+// A JsonObject is an object of epJSON with its place for messages: file: Class 'name'.
 class JsonObject {
  public:
   JsonObject(const std::string& file, const std::string& type, const std::string& name, const Json& object)
@@ -279,7 +280,7 @@ EnergyPlusBuilding fromEpJson(const std::filesystem::path& file) {
   return building;
 }
 
-// Gives windows the zones of their bases.
+// Gives each window the zone and the boundary condition of its base.
 void findZones(EnergyPlusBuilding& building) {
   std::map<std::string, const EnergyPlusSurface*> by_name;
   for (const EnergyPlusSurface& surface : building.surfaces) {

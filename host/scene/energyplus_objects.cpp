@@ -6,7 +6,7 @@
 namespace viewpeel {
 namespace {
 
-// A field without the blanks around it.
+// Returns a field without the blanks around it.
 std::string trim(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
@@ -59,7 +59,7 @@ std::vector<IdfObject> readIdf(const std::filesystem::path& file) {
 nlohmann::ordered_json readEpJson(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  // Objects within objects as deep as this are no epJSON, and would exhaust the stack.
+  // Deeper nesting is no epJSON, and would exhaust the stack.
   constexpr int kMostDepth = 64;
   int depth = 0;
   for (char c : text) {

@@ -18,7 +18,7 @@ constexpr uint64_t kMostFaces = 1u << 31;
 
 bool hasMesh(const fs::path& constant) { return FoamFile::exists(constant / "polyMesh" / "boundary"); }
 
-// The case and the region of a folder: CASE or CASE/constant/REGION.
+// Returns the case and the region of a folder: CASE or CASE/constant/REGION.
 std::optional<std::pair<fs::path, fs::path>> locate(const fs::path& folder) {
   if (hasMesh(folder / "constant") || hasMesh(folder / "processor0/constant")) return std::pair(folder, fs::path());
   std::error_code failure;
@@ -35,12 +35,12 @@ struct Patch {
   bool radiates = false;
 };
 
-// The entries of one patch, up to its closing bracket.
+// Reads the entries of one patch, up to its closing bracket.
 Patch readPatch(FoamFile& file) {
   Patch patch{file.word()};
   if (file.word() != "{") file.refuse("a patch has no '{'; write the file again");
   bool has_start = false, has_count = false;
-  const auto skip = [&] {  // a dictionary within the patch
+  const auto skip = [&] {  // skips a dictionary within the patch
     for (int depth = 1; depth > 0;) {
       const std::string word = file.word();
       if (word.empty()) file.refuse("a patch has no end; write the file again");
@@ -80,7 +80,7 @@ std::vector<Patch> readPatches(const fs::path& folder) {
   return patches;
 }
 
-// The coarse face of each face of each patch.
+// Reads the number of the coarse face of each face, patch by patch.
 FoamLists readAgglomeration(const fs::path& folder, const std::vector<Patch>& patches) {
   const FoamLists coarse = FoamFile(folder / "finalAgglom").lists();
   const FilePlace file{(folder / "finalAgglom").string()};

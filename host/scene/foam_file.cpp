@@ -15,10 +15,10 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "binary lists are little-endian and copied as they are");
 
 constexpr std::string_view kBlanks = " \t\r\n", kBrackets = ";{}()";
-constexpr uint64_t kMostRepeated = 1u << 24;  // faces of lists that give one value for all
-constexpr uint64_t kMostBytes = 1ull << 36;   // of a file
+constexpr uint64_t kMostRepeated = 1u << 24;  // most faces in lists that give one value for all
+constexpr uint64_t kMostBytes = 1ull << 36;   // largest file
 
-// Plain files pass through zlib unchanged.
+// Reads a whole file. zlib passes files that are not compressed through unchanged.
 std::string readAll(const std::filesystem::path& file) {
   std::string bytes;
   gzFile in = gzopen(file.c_str(), "rb");
@@ -172,7 +172,7 @@ std::vector<double> FoamFile::points() {
   return values;
 }
 
-// 4(0 1 0 1), 4{0}, 0() or, in binary files, 4 and the bytes in brackets.
+// Appends a list of labels: 4(0 1 0 1), 4{0}, 0() or, in binary files, 4 and the bytes in brackets.
 void FoamFile::addLabels(FoamLists& lists, const char* what) {
   const uint64_t n = count(what);
   if (takes('{')) {

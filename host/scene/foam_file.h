@@ -1,4 +1,4 @@
-// A file of OpenFOAM: a header, then lists as text or binary, plain or compressed by gzip.
+// A FoamFile is a file of OpenFOAM: a header, then lists as text or binary, plain or compressed by gzip.
 //   Source: OpenFOAM User Guide, basic input/output file format; the files of OpenFOAM v1912.
 #pragma once
 #include <cstdint>
@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// Lists one after the other: list k is values[starts[k]] to values[starts[k + 1]].
+// FoamLists are lists one after the other: list k is values[starts[k]] to values[starts[k + 1] - 1].
 struct FoamLists {
   std::vector<uint64_t> starts = {0};
   std::vector<int64_t> values;
@@ -22,17 +22,17 @@ struct FoamLists {
 class FoamFile {
  public:
   // Opens `file`, or `file`.gz, and reads the header.
-  //   Throws: Error bad_input where neither is there, or the header is none.
+  //   Throws: Error bad_input where neither file exists, or the header is wrong.
   explicit FoamFile(const std::filesystem::path& file);
 
   static bool exists(const std::filesystem::path& file);
   const std::string& className() const { return class_; }
-  // Read what stands next.    Throws: Error bad_input, naming the line where the file is text.
+  // These functions read the next item.    Throws: Error bad_input, naming the line where the file is text.
   uint64_t count(const char* what);
-  std::vector<double> points();  // x, y, z of each
-  FoamLists lists();             // of labels
+  std::vector<double> points();  // x, y, z of each point
+  FoamLists lists();             // lists of labels
   FoamLists faces();             // lists of points, or the compact form of binary files
-  std::string word();            // up to a blank, ; { } ( or ), or one of these; empty at the end
+  std::string word();            // up to a blank or one of ; { } ( ), or one of these characters; empty at the end
   [[noreturn]] void refuse(const std::string& what) const;
 
  private:
@@ -49,7 +49,7 @@ class FoamFile {
   size_t at_ = 0;
   bool is_binary_ = false;
   size_t label_bytes_ = 4, scalar_bytes_ = 8;
-  uint64_t repeated_ = 0;  // values of lists that give one for all
+  uint64_t repeated_ = 0;  // values of lists that give one value for all
 };
 
 }  // namespace viewpeel

@@ -27,10 +27,10 @@ struct Interpenetration {
 };
 
 // Finds all pairs of polygons that pass through one another.
-//   Each polygon has corners on both sides of the other's plane, farther from it than `touching_depth`. Both polygons
-//   cut a
-//     chord from the line where the planes meet, and the two chords overlap by more than `touching_depth`. Polygons
-//     that only touch, at a corner, along an edge or inside, or that overlap within one plane, do not count.
+//   Each polygon has corners on both sides of the other's plane, farther from it than `touching_depth`. Both
+//   polygons cut a chord from the line where the planes meet, and the two chords overlap by more than
+//   `touching_depth`. Polygons that only touch, at a corner, along an edge or inside, or that overlap within one
+//   plane, do not count.
 //   In: touching_depth: in unit-ball units, at least 1e-14
 //   Out: sorted by (a, b).
 //   Error: none in practice: double has an error of 1e-15, far below touching_depth. Tests:

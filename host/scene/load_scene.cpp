@@ -36,7 +36,7 @@ InputScene readScene(const fs::path& file, const SceneOptions& options) {
   const fs::file_status status = fs::status(file, failure);
   if (status.type() == fs::file_type::not_found) refuse(file, "no such file; check the name");
   if (status.type() == fs::file_type::directory) return readFoam(file);
-  // Readers open a file more than once, and would wait for ever on a pipe.
+  // A pipe is refused, because readers open a file more than once, and would then wait for ever.
   if (fs::exists(status) && !fs::is_regular_file(status)) refuse(file, "is not a regular file; write the scene to one");
   errno = 0;
   std::ifstream in(file, std::ios::binary);

@@ -17,20 +17,20 @@ constexpr std::string_view kControls[] = {"eps",  "out",  "encl", "emit", "row",
                                           "maxd", "maxu", "maxo", "mino", "prjd", "maxv"};
 constexpr double kLeastEmissivity = 0.001, kLargestEmissivity = 0.999;
 
-// Words of a file; blanks, commas and tabs are between them, `!` begins a comment, `*` ends the data.
+// Words are the words of a file. Blanks, commas and tabs separate them, `!` begins a comment, and `*` ends the data.
 class Words {
  public:
   Words(std::string text, std::string file) : text_(std::move(text)), place_{std::move(file)} {
     rest_ = skipByteOrderMark(text_);
     place_.line = 1;
   }
-  // Goes to the next line that has a word, and returns this word; empty at the end.
+  // Goes to the next line that has a word, and returns this word; empty at the end of the file.
   std::string_view nextEntry() {
     if (is_inside_line_) skipLine();
     is_inside_line_ = true;
     return nextOf(true);
   }
-  // Returns the next word, of this line or a later one.
+  // Returns the next word, from this line or a later one.
   std::string_view next(const char* what) {
     const std::string_view word = nextOf(true);
     if (word.empty()) place_.refuse(fmt::format("the file ends before {}; complete it", what));
@@ -88,7 +88,7 @@ class Words {
   bool is_inside_line_ = false;
 };
 
-// Gives one warning for all places where the same is wrong.
+// A Counted collects the places of one fault, for a single warning.
 struct Counted {
   uint64_t count = 0;
   uint32_t first_line = 0;
@@ -184,7 +184,7 @@ class Parser {
     if (file_.control.column && !file_.control.row) refuse("col needs row; give both");
   }
 
-  // Controls that steer View3D's own integration are read, and have no meaning here.
+  // Settings of View3D's numerical integration are read and ignored.
   void setControl(const std::string& name, const std::string& value) {
     Vs3Control& control = file_.control;
     const double number = parseFinite(value, words_.place());
@@ -251,7 +251,8 @@ class Parser {
     surface.name = words_.nextInLine();
   }
 
-  // Shapes of F 3a have x to the right and y upward in a plane that is placed by its origin, azimuth and tilt.
+  // Reads a surface of F 3a. Its corners have x to the right and y upward in a plane with given origin, azimuth and
+  // tilt.
   void readPlacedSurface(Vs3Surface& surface) {
     const std::string_view word = words_.next("a shape");
     const char shape = static_cast<char>(std::toupper(static_cast<unsigned char>(word.front())));
@@ -276,7 +277,7 @@ class Parser {
     for (const auto& corner : corners) surface.corners.push_back(origin + corner.first * right + corner.second * up);
   }
 
-  // Vertices and surfaces may stand in any order, so that numbers are checked last.
+  // Checks numbers of vertices and surfaces at the end, because both may come in any order.
   void finish() {
     for (size_t k = 0; k < corners_.size() && !is_blast_; ++k)
       for (uint32_t number : corners_[k]) {

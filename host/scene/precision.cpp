@@ -9,9 +9,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kCoarse = 16;      // steps to an edge
-constexpr double kFewEdges = 0.01;  // of all
-constexpr double kUsedSteps = 0.1;  // of coordinates that lie on odd steps; rounding leaves half of them there
+constexpr double kCoarse = 16;      // steps of rounding in an edge that is long enough
+constexpr double kFewEdges = 0.01;  // share of edges that may be shorter
+constexpr double kUsedSteps = 0.1;  // least share of large coordinates on odd steps; below it the numbers are round
 
 bool isSingle(const InputScene& input) {
   for (const InputFace& face : input.faces)
@@ -36,7 +36,7 @@ double roundingOf(const InputScene& input) { return 4 * largestOf(input) * (isSi
 std::string describeCoarseSteps(const InputScene& input) {
   const double largest = largestOf(input);
   if (largest == 0 || !isSingle(input)) return "";
-  const double step = std::ldexp(1.0, std::ilogb(largest) - 23);  // of floats as large
+  const double step = std::ldexp(1.0, std::ilogb(largest) - 23);  // step between floats of this size
   uint64_t edges = 0, coarse = 0, large = 0, odd = 0;
   double shortest = INFINITY;
   for (const InputFace& face : input.faces)

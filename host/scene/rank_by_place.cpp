@@ -12,7 +12,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kOrientation = 2;  // of a normal's coordinate beside a middle's
+constexpr double kOrientation = 2;  // factor of the normal's coordinates beside the centroid's
 
 using Place = std::array<double, 6>;
 

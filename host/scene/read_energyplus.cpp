@@ -1,6 +1,6 @@
-// An EnergyPlus building. Its zones are seen from within and stay where they are: no zone sees another one, for its
-// surfaces enclose it, and two zones' surfaces in one wall are back to back. From outside such surfaces are face to
-// face.
+// This file makes scenes of EnergyPlus buildings. All zones form one scene: no zone sees another one, for its
+// surfaces enclose it, and surfaces of two zones in one wall are back to back. Seen from outside, these two are face
+// to face.
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -20,13 +20,13 @@ namespace {
 
 using Corners = std::vector<glm::dvec3>;
 
-// Distance of a window's corners from its wall over the wall's size: what is moved without a word, and what is at all.
+// A window's distance from its wall's plane, over the wall's size, up to which it is moved silently, and moved at all.
 constexpr double kRounding = 1e-6, kMostMoved = 1e-2;
 constexpr double kLeastCosine = 0.999;
-// Corners nearer than this, in the unit of the wall's size, are one.
+// Corners nearer to each other than this, over the wall's size, are the same.
 constexpr double kSameCorner = 1e-12;
 
-// Turns corners clockwise, seen from above, about the origin, which then moves.
+// Turns corners clockwise about the z axis, seen from above, then adds the origin.
 Corners turned(Corners corners, double clockwise_deg, const glm::dvec3& origin = glm::dvec3(0)) {
   const double angle = -clockwise_deg * std::numbers::pi / 180, c = std::cos(angle), s = std::sin(angle);
   for (glm::dvec3& p : corners)
@@ -34,7 +34,7 @@ Corners turned(Corners corners, double clockwise_deg, const glm::dvec3& origin =
   return corners;
 }
 
-// Corners in the building's coordinates, counter-clockwise seen from within the zone, or from outside.
+// Returns corners in the building's coordinates, counter-clockwise seen from within the zone or from outside.
 Corners seenFrom(bool outside, const EnergyPlusSurface& surface, const EnergyPlusZone& zone,
                  const EnergyPlusBuilding& building) {
   Corners corners =
@@ -43,8 +43,8 @@ Corners seenFrom(bool outside, const EnergyPlusSurface& surface, const EnergyPlu
   return corners;
 }
 
-// Corners of a shading surface in the building's coordinates. A site's are the world's, in which the building's north
-// axis turns the building.
+// Returns the corners of a shading surface in the building's coordinates. Shading of the site is in world coordinates,
+// in which the building is turned by its north axis.
 Corners placed(const EnergyPlusShading& shading, const EnergyPlusBuilding& building) {
   if (!building.is_relative || shading.of == EnergyPlusShading::Of::building) return shading.corners;
   if (shading.of == EnergyPlusShading::Of::site) return turned(shading.corners, -building.north_axis_deg);
@@ -64,7 +64,7 @@ double sizeOf(const Corners& corners) {
   return size;
 }
 
-// Moves a window into the plane of its wall. Returns by how much, over the wall's size.
+// Moves a window into the plane of its wall. Returns the distance over the wall's size.
 double moveIntoPlane(Corners& window, const Corners& wall, const FilePlace& place, const std::string& name) {
   const glm::dvec3 up = twiceAreaNormal(wall), of_window = twiceAreaNormal(window);
   const double size = sizeOf(wall);
@@ -84,7 +84,7 @@ double moveIntoPlane(Corners& window, const Corners& wall, const FilePlace& plac
   return largest;
 }
 
-// A wall without its windows, in convex pieces.
+// Returns a wall without its windows, in convex pieces.
 std::vector<Corners> piecesOf(Corners wall, const std::vector<Corners>& holes, const FilePlace& place,
                               const std::string& name) {
   if (holes.empty()) return {std::move(wall)};
@@ -115,8 +115,8 @@ std::vector<Corners> piecesOf(Corners wall, const std::vector<Corners>& holes, c
   return pieces;
 }
 
-// Adds surfaces, without the windows in them, in the order of the file.
-//   In: is_there: of surfaces; a window is where its base is
+// Adds surfaces in the order of the file, with the windows cut out of them.
+//   In: is_there: by surface, whether to add it; a window is added with its base
 void addSurfaces(const EnergyPlusBuilding& building, bool outside, const std::vector<bool>& is_there,
                  InputScene& scene) {
   const std::vector<uint32_t> zones = zonesOf(building);
@@ -154,7 +154,7 @@ void addSurfaces(const EnergyPlusBuilding& building, bool outside, const std::ve
   warn(outside ? 0 : building.internal_masses, "InternalMass have no geometry, and get no view factors");
 }
 
-// Returns which surfaces are in zones of these names.
+// Returns for each surface whether it is in a zone with one of these names.
 std::vector<bool> areIn(const EnergyPlusBuilding& building, const std::vector<std::string>& names) {
   std::vector<bool> is_chosen(building.zones.size(), names.empty());
   for (const std::string& name : names) {

@@ -1,4 +1,4 @@
-// The walls of an OpenFOAM case. Faces of a mesh look out of it, and radiation is within, so that corners are reversed.
+// readFoam() makes a scene of an OpenFOAM case. Faces of the mesh look outward, so corners are reversed to look inward.
 #include <algorithm>
 #include <cmath>
 
@@ -15,9 +15,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kFlatness = 1e-6;  // distance from the mean plane over the size, beyond which a coarse face is curved
+constexpr double kFlatness = 1e-6;  // largest distance of a corner from a flat face's mean plane, over its size
 
-// The points and faces of the mesh of one rank.
+// A Mesh holds the points and faces of one rank's mesh.
 class Mesh {
  public:
   explicit Mesh(const fs::path& folder)
@@ -25,7 +25,7 @@ class Mesh {
         points_(FoamFile(folder / "polyMesh" / "points").points()),
         faces_(FoamFile(folder / "polyMesh" / "faces").faces()) {}
 
-  // The corners seen from within the mesh.
+  // Returns the corners of a face, counter-clockwise seen from within the mesh.
   std::vector<glm::dvec3> corners(uint64_t face) const {
     if (face >= faces_.count())
       FilePlace{file_}.refuse(fmt::format("there is no face {}, which a patch has; make the mesh again", face));

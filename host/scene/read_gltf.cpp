@@ -1,4 +1,4 @@
-// glTF 2.0, as text (.gltf) with its buffers beside it or within, and as one file (.glb).
+// readGltf() reads glTF 2.0: text (.gltf) with its buffers in other files or inside, and single binary files (.glb).
 //   Source: Khronos Group, glTF 2.0 Specification, 2021.
 #include <array>
 #include <cmath>
@@ -22,8 +22,8 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
-constexpr int kMostDepth = 64;                 // of nodes, and of JSON
-constexpr uint64_t kMostTriangles = 1u << 28;  // of all nodes: small files may repeat a mesh
+constexpr int kMostDepth = 64;                 // of nodes, and of nested JSON
+constexpr uint64_t kMostTriangles = 1u << 28;  // of all nodes together: a small file may repeat a mesh many times
 constexpr int64_t kFloat = 5126, kByte = 5121, kShort = 5123, kInt = 5125;
 
 uint32_t wordAt(const std::string& bytes, size_t at) {
@@ -105,7 +105,7 @@ class GltfReader {
       place_.refuse(fmt::format("there is no element {} of {}; export the file again", index, name));
     return elements[index];
   }
-  // A whole number of an object; `otherwise` where there is none.
+  // Returns a whole number of an object; `otherwise` where the object has none.
   uint64_t whole(const Json& object, const char* key, uint64_t otherwise) const {
     const auto found = object.find(key);
     if (found == object.end()) return otherwise;
@@ -116,7 +116,7 @@ class GltfReader {
     if (!object.contains(key)) place_.refuse(fmt::format("'{}' is missing; export the file again", key));
     return whole(object, key, 0);
   }
-  // Numbers of an object, as many as `values` has; these stay where there are none.
+  // Sets `values` to numbers of an object; they stay as they are where the object has none.
   template <size_t N>
   void numbers(const Json& object, const char* key, std::array<double, N>& values) const {
     const auto found = object.find(key);
@@ -141,7 +141,7 @@ class GltfReader {
     return all;
   }
 
-  // The nodes of the scene that is shown; without scenes those that are no node's children.
+  // Returns the root nodes of the default scene; without scenes the nodes that are no node's children.
   std::vector<uint64_t> roots(const Json& nodes) const {
     if (document_.contains("scenes")) return indices(element("scenes", whole(document_, "scene", 0)), "nodes");
     std::vector<bool> is_child(nodes.size(), false);
@@ -189,7 +189,7 @@ class GltfReader {
     for (uint64_t child : indices(node, "children")) addNode(nodes, child, transform, depth + 1);
   }
 
-  // The second node of one name is NAME#2.
+  // Returns the name of a node's surface. The second node of one name becomes NAME#2.
   std::string nameOf(const Json& node, const Json& mesh, uint64_t index) {
     std::string name = fmt::format("node {}", index);
     for (const Json* object : {&mesh, &node})
@@ -230,7 +230,7 @@ class GltfReader {
                     uint32_t surface, const glm::dmat4& transform, bool is_mirrored) {
     if (mode == 4 && corners.size() % 3) place_.refuse("a triangle has no three corners; export the file again");
     for (size_t k = 0; k + 2 < corners.size(); k += mode == 4 ? 3 : 1) {
-      // Strips turn every second triangle over; fans keep their first corner.
+      // Every second triangle of a strip is turned over; all triangles of a fan share the first corner.
       std::array<uint64_t, 3> at = {corners[mode == 6 ? 0 : k], corners[k + 1], corners[k + 2]};
       if ((mode == 5 && k % 2 == 1) != is_mirrored) std::swap(at[1], at[2]);
       if (scene_.faces.size() >= kMostTriangles) place_.refuse("there are too many triangles; cut the scene down");
@@ -240,7 +240,7 @@ class GltfReader {
     }
   }
 
-  // The bytes of an accessor: element k begins at `at` + k `stride`.
+  // A View is the bytes of an accessor: element k begins at `at` + k `stride`.
   struct View {
     const std::string* bytes;
     uint64_t at, stride, count;

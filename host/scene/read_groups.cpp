@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns the text between the quotes of RFC 4180, or the text itself where there are none.
+// Returns the text between quotes (RFC 4180), or the text itself where it has no quotes.
 std::string unquote(std::string_view text, const FilePlace& place) {
   if (!text.starts_with('"')) return std::string(text);
   std::string name;
@@ -34,7 +34,7 @@ std::string_view trim(std::string_view text) {
   return text.substr(start, text.find_last_not_of(kBlanks) + 1 - start);
 }
 
-// Returns the number of a face, from 1.
+// Reads the number of a face, from 1.
 uint64_t parseFace(std::string_view word, uint64_t face_count, const FilePlace& place) {
   word = trim(word);
   uint64_t face = 0;
@@ -55,7 +55,7 @@ void nameFaces(const std::filesystem::path& groups, InputScene& scene) {
   if (!in) place.refuse(fmt::format("cannot be read: {}", std::strerror(errno)));
   std::unordered_map<std::string, uint32_t> surfaces;
   for (uint32_t k = 0; k < scene.surface_names.size(); ++k) surfaces.emplace(scene.surface_names[k], k);
-  std::vector<uint32_t> named_in(scene.faces.size(), 0);  // line that named the face
+  std::vector<uint32_t> named_in(scene.faces.size(), 0);  // number of the line that named each face
   std::string text;
   while (std::getline(in, text)) {
     ++place.line;

@@ -1,4 +1,4 @@
-// A file of groups names the faces of a scene whose format has no names: binary STL and PLY.
+// A file of groups names the faces of a scene in a format without names: binary STL and PLY.
 #pragma once
 #include <filesystem>
 
@@ -6,16 +6,16 @@
 
 namespace viewpeel {
 
-// Gives faces the names of a .csv file: lines `face,name`, where face is a number from 1 or a range of them like 12-40.
-// A header `face,name`, empty lines and comments after # are passed over. Names with commas or quotes are quoted as in
-// RFC 4180. Faces that no line names keep their surface.
-//   In: scene: as its reader made it
-//   Throws: Error bad_input naming file and line: a face that the scene has not, or that an earlier line names; a line
+// Gives faces names from a .csv file with lines `face,name`, where face is a number from 1 or a range such as 12-40.
+// A header `face,name`, empty lines, and comments after # are skipped. Names with commas or quotes are quoted as in RFC
+// 4180. Faces that no line names keep their surface.
+//   In: scene: from its reader
+//   Throws: Error bad_input naming file and line: a face that does not exist, or that an earlier line names; a line
 //     without a name.    Cost: O(faces + lines).
 void nameFaces(const std::filesystem::path& groups, InputScene& scene);
 
 // Reads a .stl or .ply file, names its faces, and builds the scene.
-//   In: file, options: as of loadScene; groups: empty for none
+//   In: file, options: as in loadScene; groups: empty for no names
 //   Throws: as loadScene and nameFaces; Error bad_usage for groups of another format.
 Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem::path& groups,
                        const SceneOptions& options);

@@ -1,4 +1,4 @@
-// Reads Gmsh's meshes, .msh 2.2 and 4.1, text and binary.
+// readMsh() reads Gmsh's meshes, .msh 2.2 and 4.1, text and binary.
 //   Source: C. Geuzaine & J.-F. Remacle, Gmsh reference manual 4.11, section 10, file formats.
 #include <array>
 #include <map>
@@ -11,7 +11,8 @@
 namespace viewpeel {
 namespace {
 
-// Corners of faces and mid nodes go round in the order of the polygon; an inner node is left out.
+// A FaceType is a type of element that is a face: `order` gives its corners and mid nodes around the polygon; inner
+// nodes are left out.
 struct FaceType {
   int type;
   std::vector<uint32_t> order;
@@ -21,10 +22,10 @@ const std::array<FaceType, 5> kFaceTypes = {{{2, {0, 1, 2}},
                                              {9, {0, 3, 1, 4, 2, 5}},
                                              {16, {0, 4, 1, 5, 2, 6, 3, 7}},
                                              {10, {0, 4, 1, 5, 2, 6, 3, 7}}}};
-// Elements of types 1 to 31 have so many nodes; 0 where a type is not known.
+// Number of nodes of element types 0 to 31; 0 for an unknown type.
 constexpr uint32_t kNodeCounts[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                     8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
-// Triangles of higher orders have more than their mid nodes.
+// Triangles of these types have more nodes than corners and mid nodes.
 constexpr std::array kCurvedTypes = {20, 21, 22, 23, 24, 25};
 
 class MshReader {
@@ -85,7 +86,7 @@ class MshReader {
     }
   }
 
-  // Only the physical groups of surfaces matter.
+  // Reads entities. Only physical groups of surfaces are used.
   void readEntities() {
     std::array<uint64_t, 4> counts;
     for (uint64_t& count : counts) count = next<uint64_t>("a number of entities");
@@ -186,7 +187,7 @@ class MshReader {
     const auto blocks = next<uint64_t>("the number of blocks");
     for (int k = 0; k < 3; ++k) next<uint64_t>("the number of elements");
     for (uint64_t b = 0; b < blocks; ++b) {
-      next<int32_t>("a dimension");  // follows from the type
+      next<int32_t>("a dimension");  // the dimension follows from the type, so it is ignored
       const auto entity = next<int32_t>("an entity"), type = next<int32_t>("an element type");
       const auto count = next<uint64_t>("a number of elements");
       const uint32_t node_count = nodeCount(type);
@@ -204,7 +205,7 @@ class MshReader {
     if (std::ranges::find(kCurvedTypes, type) != kCurvedTypes.end())
       cursor_.refuse(fmt::format("element type {} is of order 3 or more; save the mesh with order 1 or 2", type));
     const auto of_type = std::ranges::find(kFaceTypes, type, &FaceType::type);
-    if (of_type == kFaceTypes.end()) return;  // a point, an edge or a volume
+    if (of_type == kFaceTypes.end()) return;  // points, edges and volumes are ignored
     InputFace face{{}, surfaceOf(group, entity), 0};
     for (uint32_t k : of_type->order) {
       const auto node = nodes_.find(nodes[k]);
@@ -214,7 +215,7 @@ class MshReader {
     scene_.faces.push_back(std::move(face));
   }
 
-  // A physical group is a surface; without one the elementary entity is.
+  // Returns the surface of an element: its physical group, or the elementary entity where it has no group.
   uint32_t surfaceOf(int group, int entity) {
     std::string name = group ? fmt::format("physical {}", group) : fmt::format("entity {}", entity);
     if (const auto named = names_.find(group); group && named != names_.end()) name = named->second;

@@ -1,4 +1,4 @@
-// The reader of Wavefront OBJ takes v, f, o and g, and usemtl where the file has neither o nor g.
+// readObj() reads Wavefront OBJ: v, f, o and g, and usemtl where the file has neither o nor g.
 #include <algorithm>
 #include <fstream>
 #include <map>
@@ -11,7 +11,7 @@
 namespace viewpeel {
 namespace {
 
-// The reader ignores statements that carry no polygons, and so nothing that is wanted.
+// These statements carry no polygons, so they are ignored.
 constexpr std::string_view kIgnored[] = {"vt",       "vn",       "vp",         "s",         "mtllib", "l",
                                          "p",        "mg",       "lod",        "end",       "bevel",  "usemap",
                                          "c_interp", "d_interp", "shadow_obj", "trace_obj", "maplib"};
@@ -76,7 +76,8 @@ class ObjReader {
       const auto [end, failure] = std::from_chars(word.data(), word.data() + word.size(), index);
       if (failure != std::errc() || (end != word.data() + word.size() && *end != '/'))
         refuse(fmt::format("'{}' is not a vertex index; correct it", printable(word)), line_);
-      // Negative indices count back from the vertex read last; positive ones may run ahead and are checked at the end.
+      // A negative index counts back from the last vertex. A positive index may be of a later vertex, and is checked at
+      // the end.
       const int64_t absolute = index < 0 ? int64_t(vertices_.size()) + index + 1 : index;
       if (absolute < 1) refuse(fmt::format("vertex index {} is out of range; indices start at 1", index), line_);
       face.vertices.push_back(static_cast<uint64_t>(absolute));
@@ -85,7 +86,8 @@ class ObjReader {
     faces_.push_back(std::move(face));
   }
 
-  // The latest `o` or `g` names the surface; a nameless `g` falls back to the object, and that to the file.
+  // Returns the surface of a face: the latest `o` or `g` names it, after a nameless `g` the object, without names the
+  // file.
   uint32_t surfaceInForce() {
     const std::string& name = !name_.empty() ? name_ : object_;
     const std::string surface = name.empty() ? file_.stem().string() : name;
@@ -102,15 +104,15 @@ class ObjReader {
     return at->second;
   }
 
-  // Materials name surfaces where nothing else does. Beside objects and groups they say how a surface looks, and would
-  // cut named surfaces into parts.
+  // Lets materials name surfaces in a file without objects and groups. In other files materials say how a surface
+  // looks, and would only cut named surfaces into parts.
   void nameByMaterials() {
     if (has_names_) return;
     scene_.surface_names = material_names_;
     for (Face& face : faces_) face.surface = face.material;
   }
 
-  // Groups of one name in different objects are different surfaces: their names get the objects' names.
+  // Makes groups of one name in different objects different surfaces, with the objects' names in front.
   void separateGroups() {
     std::unordered_map<std::string, uint32_t> uses;
     for (const std::string& name : scene_.surface_names) ++uses[name];
@@ -153,16 +155,16 @@ class ObjReader {
   }
 
   struct Face {
-    std::vector<uint64_t> vertices;  // from 1
+    std::vector<uint64_t> vertices;  // indices from 1
     uint32_t surface, material, line;
   };
   std::filesystem::path file_;
   InputScene scene_;
   uint32_t line_ = 0;
   std::string object_, name_, material_;
-  bool has_names_ = false;  // of objects or groups
+  bool has_names_ = false;  // whether there are objects or groups
   std::map<std::pair<std::string, std::string>, uint32_t>
-      surfaces_;  // by object, empty where it names the surface itself, and name
+      surfaces_;  // by object and name; the object is empty if it names the surface
   std::map<std::string, uint32_t> materials_;
   std::vector<std::string> material_names_;  // in the order of their first faces
   std::vector<glm::dvec3> vertices_;

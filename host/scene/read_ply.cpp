@@ -1,4 +1,4 @@
-// The reader of PLY takes text and binary of either byte order: element `vertex` with x, y, z and element `face` with a
+// readPly() reads PLY, text and binary of either byte order: element `vertex` with x, y, z and element `face` with a
 // list of vertex indices.
 #include <algorithm>
 #include <bit>
@@ -35,7 +35,7 @@ constexpr Type kTypes[] = {{{"char", "int8"}, 1, decodeAs<int8_t>},    {{"uchar"
 struct Property {
   std::string name;
   const Type* type = nullptr;
-  const Type* count_type = nullptr;  // of a list; else null
+  const Type* count_type = nullptr;  // of a list's length; null for other properties
 };
 
 struct Element {
@@ -120,7 +120,7 @@ class PlyReader {
     for (const Element& element : elements_) checkProperties(element);
   }
 
-  // Without properties records take no bytes, and any number of them would fit into any file.
+  // Refuses elements without properties: their records take no bytes, so a short file could announce billions of them.
   void checkProperties(const Element& element) const {
     const auto require = [&](bool has, std::string_view what) {
       if (!has && element.count > 0)
@@ -202,7 +202,7 @@ class PlyReader {
   Format format_ = Format::text;
   std::vector<Element> elements_;
   std::vector<glm::dvec3> vertices_;
-  std::vector<std::pair<std::vector<double>, uint32_t>> faces_;  // indices and line
+  std::vector<std::pair<std::vector<double>, uint32_t>> faces_;  // vertex indices, and the line
   InputScene scene_;
 };
 

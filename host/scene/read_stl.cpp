@@ -1,4 +1,4 @@
-// The reader of STL takes both kinds, text and binary.
+// readStl() reads STL, text and binary.
 #include <bit>
 #include <cstring>
 #include <fstream>
@@ -49,7 +49,7 @@ void readBinary(const std::string& bytes, InputScene& scene) {
   }
 }
 
-// Says that solids share names, or refuses names that numbers do not tell apart.
+// Warns that solids share a name, or refuses names that stay equal even with numbers.
 void checkRepeated(const std::vector<std::string>& repeated, InputScene& scene) {
   if (repeated.empty()) return;
   std::unordered_set<std::string_view> names;
@@ -70,7 +70,7 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
   bool in_solid = false, in_facet = false;
   uint32_t surface = 0;
   InputFace face;
-  std::unordered_map<std::string, uint32_t> uses;  // of solids' names
+  std::unordered_map<std::string, uint32_t> uses;  // how often each name has occurred
   std::vector<std::string> repeated;
   while (!rest.empty()) {
     const size_t end = std::min(rest.find('\n'), rest.size());
@@ -111,7 +111,7 @@ void readText(std::string_view rest, const std::string& stem, InputScene& scene)
 InputScene readStl(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
   InputScene scene{file.string(), {}, {}};
-  // A header that belies the file's size is refused before memory is taken for all of it.
+  // The header is compared with the file's size first, so that a wrong number of facets does not fill the memory.
   std::string bytes(kHeaderBytes + 4, '\0');
   in.read(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   bytes.resize(static_cast<size_t>(in.gcount()));
@@ -120,7 +120,7 @@ InputScene readStl(const std::filesystem::path& file) {
   if (!failure && bytes.size() == kHeaderBytes + 4 && !skipByteOrderMark(bytes).starts_with("solid"))
     checkSize(size, readAt<uint32_t>(bytes, kHeaderBytes), scene.file);
   bytes.append(std::istreambuf_iterator<char>(in), {});
-  // Some binary files begin with "solid" too; their size gives them away.
+  // Some binary files begin with "solid", too. Their size shows what they are.
   const bool fits_binary =
       bytes.size() >= kHeaderBytes + 4 &&
       bytes.size() == kHeaderBytes + 4 + uint64_t(readAt<uint32_t>(bytes, kHeaderBytes)) * kFacetBytes;

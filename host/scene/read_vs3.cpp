@@ -13,7 +13,8 @@
 namespace viewpeel {
 namespace {
 
-// View3D's own tolerances: distance from the plane of the base over the subsurface's radius, and cosine of the normals.
+// View3D allows these deviations: distance from the base's plane over the subsurface's radius, and cosine of the
+// normals.
 constexpr double kPlaneTolerance = 1e-5, kLeastCosine = 0.999;
 constexpr double kOutsideTolerance = 1e-6;  // distance outside the base over its size
 
@@ -48,7 +49,7 @@ class SceneMaker {
   }
 
  private:
-  // A hole is a part of the base that is the other surface's. A mask hides its part, which stays the base's.
+  // Cuts the part of a subsurface out of its base. A mask only hides its part, so nothing is cut out for it.
   void addHole(const Vs3Surface& surface) {
     const FilePlace place{file_.file, surface.line};
     const Vs3Surface& base = file_.surfaces[surface.base - 1];
@@ -74,7 +75,7 @@ class SceneMaker {
     if (surface.kind != 'M') holes_[surface.base - 1].push_back(surface.corners);
   }
 
-  // Names are to tell surfaces apart.
+  // Gives each surface a different name.
   void nameSurfaces() {
     std::map<std::string, uint32_t> uses;
     for (const Vs3Surface& surface : file_.surfaces)
@@ -103,7 +104,7 @@ class SceneMaker {
     }
     surface_of_[k] = number;
     std::vector<glm::dvec3> corners = surface.corners;
-    // What hides a hole looks as its base does.
+    // A null surface looks the same way as its base.
     if (surface.kind == 'N') std::reverse(corners.begin(), corners.end());
     const glm::dvec3 normal = twiceAreaNormal(corners);
     std::vector<std::vector<glm::dvec3>> pieces = {corners};
@@ -117,7 +118,7 @@ class SceneMaker {
   const Vs3File& file_;
   bool merges_;
   InputScene scene_;
-  std::vector<std::vector<std::vector<glm::dvec3>>> holes_;  // of each surface
+  std::vector<std::vector<std::vector<glm::dvec3>>> holes_;  // by surface
   std::vector<std::string> names_;
   std::vector<uint32_t> surface_of_;
 };

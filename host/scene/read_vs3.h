@@ -52,8 +52,8 @@ struct Vs3Scene {
 // Makes the scene of a file. Subsurfaces and null surfaces are cut out of their bases, and merged surfaces become one.
 //   In: merges: with false, surfaces that the file merges stay separate
 //   Out: the surfaces that have a row, in the order of their numbers, then the surfaces that only block (O and N). A
-//     null surface blocks where its base was. A mask is face to face with its base. A name that several surfaces have
-//     gets the surface's number: "wall#8".
+//     null surface blocks where its base was cut out. A mask is face to face with its base. If several surfaces have
+//     one name, the number is added: "wall#8".
 //   Throws: Error bad_input, naming the line, where a subsurface does not lie in its base.    Cost: O(surfaces).
 Vs3Scene makeScene(const Vs3File& file, bool merges = true);
 

@@ -1,4 +1,4 @@
-// Reads VTK's XML files: polygons of .vtp, and faces of .vtu.
+// These functions read VTK's XML files: polygons of .vtp, and faces of .vtu.
 #include <cmath>
 #include <map>
 
@@ -8,10 +8,10 @@
 namespace viewpeel {
 namespace {
 
-// These cell arrays name surfaces, in the order in which they are looked for.
+// The first of these cell arrays that exists names the surfaces.
 constexpr const char* kSurfaceArrays[] = {"surface",     "Surface",       "group",         "name",     "Name",
                                           "PhysicalIds", "gmsh:physical", "CellEntityIds", "Material", "material"};
-// Cells of these types are faces; the types of order 2 have their mid nodes behind their corners.
+// Cells of these types are faces. In types of order 2 mid nodes follow the corners.
 constexpr int64_t kTriangle = 5, kPolygon = 7, kQuad = 9, kTriangle2 = 22, kQuad2 = 23;
 
 class VtkReader {

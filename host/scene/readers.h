@@ -1,22 +1,22 @@
-// There is one reader per format. They are our own because the file has to be read in double, errors have to name their
-// line, and a file that is cut short has to be refused. The file exists and is readable.
+// Each format has a reader. Readers are written here, not taken from libraries, because coordinates are read in double,
+// errors name their line, and truncated files are refused. The caller checks that the file exists.
 #pragma once
 #include <viewpeel/scene.h>
 
 namespace viewpeel {
 
-//   Throws: Error bad_input naming file and line.
+//   Reads Wavefront OBJ.    Throws: Error bad_input naming file and line.
 InputScene readObj(const std::filesystem::path& file);
 
-// Reads text and binary; every solid is a surface.
+// Reads STL, text and binary; every solid is a surface.
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readStl(const std::filesystem::path& file);
 
-// Reads text and binary, either byte order; one surface, named after the file.
+// Reads PLY, text and binary of either byte order, as one surface with the file's name.
 //   Throws: Error bad_input naming the file, and the line where it is text.
 InputScene readPly(const std::filesystem::path& file);
 
-// Reads View3D's input. Surfaces are the file's, merged ones as one (read_vs3.h).
+// Reads View3D's input. It has the file's surfaces, and merged ones as one (read_vs3.h).
 //   Throws: Error bad_input naming file and line.
 InputScene readVs3(const std::filesystem::path& file);
 
@@ -41,12 +41,12 @@ InputScene readFoam(const std::filesystem::path& folder);
 
 // Reads the surfaces of an EnergyPlus building's zones, IDF or epJSON, seen from within (energyplus.h). Windows are cut
 // out of their walls.
-//   In: zones: names of zones, in either case; all where empty
-//   Throws: Error bad_input, naming file and line, of epJSON the object; bad_usage for an absent zone.
+//   In: zones: names, in any case of letters; empty: all zones
+//   Throws: Error bad_input, naming file and line (in epJSON the object); bad_usage for an absent zone.
 InputScene readEnergyPlusZones(const std::filesystem::path& file, const std::vector<std::string>& zones = {});
-// Reads what stands outside, seen from outside: surfaces outdoors, and shading surfaces, which have two sides. Other
-// surfaces only block.
-//   Throws: as readEnergyPlusZones; bad_input for shading surfaces given by lengths, and where nothing is outdoors.
+// Reads a building seen from outside: surfaces outdoors, and shading surfaces, which have two sides. Other surfaces
+// only block.
+//   Throws: as readEnergyPlusZones; bad_input for shading surfaces described by lengths, and where nothing is outdoors.
 InputScene readEnergyPlusOutside(const std::filesystem::path& file);
 
 // Reads the triangles of glTF 2.0, .gltf or .glb, in the scene's coordinates. Nodes are surfaces.

@@ -15,11 +15,11 @@ namespace {
 
 using glm::dvec3;
 
-constexpr size_t kMostOpenEdges = 4000;  // that are cut at one another's ends, each with each
+constexpr size_t kMostOpenEdges = 4000;  // with fewer open edges, each is cut where the ends of others lie on it
 constexpr uint64_t kMostRays = 1 << 18;
 constexpr uint32_t kLeastHits = 4, kTurns = 4;
-constexpr double kThickness = 1e-4;  // of a room, unit-ball units
-constexpr double kAlmost = 0.1;      // of rays: other parts of a mesh may spoil this share
+constexpr double kThickness = 1e-4;  // least thickness of a room: volume over area, unit-ball units
+constexpr double kAlmost = 0.1;      // share of rays that other parts of a mesh may spoil
 
 struct EdgeUse {
   uint32_t low, high;  // vertices
@@ -28,13 +28,13 @@ struct EdgeUse {
   auto key() const { return std::pair(low, high); }
 };
 
-// Sets of faces with the sides of their fronts (weighted union by halving of paths).
+// Sides are sets of joined faces, with the side to which each face's front looks (union-find, paths halved, by weight).
 class Sides {
  public:
   explicit Sides(size_t count) : parents_(count), turned_(count, false) {
     std::iota(parents_.begin(), parents_.end(), 0u);
   }
-  // Returns the root, and whether the face is turned against it.
+  // Returns the face that represents the set, and whether `face` is turned against it.
   std::pair<uint32_t, bool> find(uint32_t face) {
     uint32_t root = face;
     bool turned = false;
@@ -50,7 +50,7 @@ class Sides {
     }
     return {root, turned};
   }
-  // Returns false where they hang together already, the other way round.
+  // Joins two sets. Returns false where they are joined already, with the opposite turn.
   bool join(uint32_t a, uint32_t b, bool turned) {
     auto [root_a, turned_a] = find(a);
     auto [root_b, turned_b] = find(b);
@@ -62,7 +62,7 @@ class Sides {
 
  private:
   std::vector<uint32_t> parents_;
-  std::vector<bool> turned_;  // against the parent
+  std::vector<bool> turned_;  // whether a face is turned against its parent
 };
 
 class ShellFinder {
@@ -88,8 +88,8 @@ class ShellFinder {
   const Scene& scene_;
   Sides sides_;
   std::vector<bool> is_twisted_;
-  std::vector<uint32_t> vertices_;  // of corners
-  std::vector<dvec3> places_;       // of vertices
+  std::vector<uint32_t> vertices_;  // by corner
+  std::vector<dvec3> places_;       // by vertex
   std::vector<EdgeUse> uses_;       // sorted by edge, without edges between polygons of one face
 };
 
@@ -126,7 +126,7 @@ void ShellFinder::collectUses() {
       if (from != to) uses_.push_back({std::min(from, to), std::max(from, to), polygon, from < to});
     }
   }
-  // Where a face was split, its pieces meet.
+  // Edges where the pieces of a split face meet are left out.
   std::vector<EdgeUse> kept;
   forEachEdge([&](const EdgeUse* first, size_t count) {
     for (size_t a = 0; a < count; ++a) {
@@ -166,23 +166,23 @@ void ShellFinder::cutOpenEdges() {
   uses_ = std::move(kept);
 }
 
-// Returns the angle of space or of solid between two faces at an edge, whichever lies before or behind both of their
-// fronts. Solid counts a little less, which puts a box that stands on tiles before the tiles. It is infinite where the
-// two do not fit.
+// Returns the angle between two faces at an edge: of the free space in front of both, or of the solid behind both,
+// whichever is smaller. Solid counts a little less, so that the faces of a box on a tiled floor join each other before
+// they join tiles. It is infinite where the two faces cannot belong to one surface.
 double ShellFinder::wedgeBetween(const EdgeUse& a, const EdgeUse& b) const {
   if (a.is_forward == b.is_forward) return INFINITY;
   const dvec3 axis = glm::normalize(places_[a.high] - places_[a.low]);
-  const auto inwardOf = [&](const EdgeUse& use) {  // from the edge into the face
+  const auto inwardOf = [&](const EdgeUse& use) {  // direction from the edge into the face
     const dvec3 normal = frontNormal(scene_, scene_.polygons[use.polygon]);
     return glm::cross(normal, use.is_forward ? axis : -axis);
   };
   const EdgeUse &forward = a.is_forward ? a : b, &backward = a.is_forward ? b : a;
   const dvec3 u = inwardOf(forward), v = inwardOf(backward);
-  // The front of the face that runs forward lies on the side to which the axis turns its inward direction.
+  // The front of the face with the forward edge is on the side to which the axis turns the inward direction.
   double free = std::atan2(glm::dot(axis, glm::cross(u, v)), glm::dot(u, v));
   if (free < 0) free += 2 * std::numbers::pi;
   const double solid = 2 * std::numbers::pi - free;
-  if (std::min(free, solid) < 1e-6) return INFINITY;  // coincident
+  if (std::min(free, solid) < 1e-6) return INFINITY;  // the faces coincide
   return std::min(free, solid - 1e-3);
 }
 
@@ -211,7 +211,7 @@ void ShellFinder::joinMany(std::vector<EdgeUse> uses) {
 }
 
 std::vector<Shell> ShellFinder::find() {
-  constexpr size_t kMostAtAnEdge = 64;  // each is looked at with each
+  constexpr size_t kMostAtAnEdge = 64;  // above this number not all pairs of edges are compared
   nameVertices();
   collectUses();
   cutOpenEdges();
@@ -254,12 +254,12 @@ std::vector<Shell> ShellFinder::find() {
   return shells;
 }
 
-// Seen counts the rays from the two sides of a shell that end on fronts of other shells.
+// Seen counts rays from the two sides of a shell, and which of them end on fronts of other shells.
 struct Seen {
   uint32_t rays = 0, by_front = 0, by_back = 0, anything = 0;
 };
 
-// Returns whether closed faces lie about a room, rather than back to back.
+// Returns whether a closed scene encloses a volume, rather than being faces back to back.
 bool holdsSpace(const Scene& scene) {
   double volume = 0, area = 0;
   for (const Polygon& polygon : scene.polygons) {

@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLeastCosine = 0.01;  // below it coincident polygons may lie far along the ray
+constexpr double kLeastCosine = 0.01;  // below it the hits of coincident polygons may be far apart along the ray
 constexpr double kStepBack = 2 * kCoincidenceReach / kLeastCosine;
 
 }  // namespace
@@ -43,7 +43,7 @@ dvec3 Sight::directionFrom(uint32_t polygon, bool from_front) {
 
 Sight::End Sight::look(uint32_t polygon, const dvec3& point, const dvec3& direction) const {
   const Polygon& from = scene_.polygons[polygon];
-  const auto isAhead = [&](uint32_t a, uint32_t b) {  // of two in one plane, a after b
+  const auto isAhead = [&](uint32_t a, uint32_t b) {  // for two polygons of one plane: whether a ray meets b first
     const int step = levelOf(scene_.polygons[a]) - levelOf(scene_.polygons[b]);
     const bool along = glm::dot(direction, scene_.planes[from.plane].normal) > 0;
     return step != 0 ? (step > 0) == along : a > b;
@@ -58,7 +58,7 @@ Sight::End Sight::look(uint32_t polygon, const dvec3& point, const dvec3& direct
       first = &hit;
       continue;
     }
-    if (hit.distance > first->distance + kCoincidenceReach) break;  // sorted
+    if (hit.distance > first->distance + kCoincidenceReach) break;  // hits are sorted by distance
     const Polygon &p = scene_.polygons[hit.polygon], &q = scene_.polygons[first->polygon];
     const bool along = glm::dot(direction, scene_.planes[p.plane].normal) > 0;
     if (p.plane == q.plane && levelOf(p) != levelOf(q) && (levelOf(p) < levelOf(q)) == along) first = &hit;

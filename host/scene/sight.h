@@ -21,7 +21,7 @@ class Sight {
   // Builds a tree over the polygons. The scene must outlive this object.    Cost: O(n log n).
   explicit Sight(const Scene& scene);
 
-  // Return the next random numbers. The seed is fixed, so that every run casts the same rays.
+  // These functions return the next random number. The seed is fixed, so every run casts the same rays.
   uint64_t next() { return random_(); }
   double uniform() { return double(random_() >> 11) * 0x1p-53; }
   // Draws a point uniformly over the polygon.

@@ -8,9 +8,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kSets = 8, kRays = 8192;  // rays of a set
+constexpr uint32_t kSets = 8, kRays = 8192;  // sets of rays, and rays of a set
 
-// Returns the share of blocked rays that would go up; 1/2 where none is blocked.
+// Returns which share of blocked rays goes up; 1/2 where no ray is blocked.
 double blockedAbove(Sight& sight, const std::vector<uint32_t>& polygons, const std::vector<double>& area_sums,
                     double n_z) {
   uint32_t rays[2] = {0, 0}, blocked[2] = {0, 0};  // down, up

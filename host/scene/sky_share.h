@@ -1,4 +1,4 @@
-// The environment above the horizon is the sky, and below it the ground.
+// divideEnvironment() splits form factors to the environment at the horizon: the sky above, the ground below.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -7,21 +7,21 @@
 
 namespace viewpeel {
 
-// A SkyShare divides what some polygons send to the environment.
+// A SkyShare is the part of a form factor to the environment that goes to the sky, and the part to the ground.
 struct SkyShare {
-  double sky = 0, ground = 0;  // form factors, whose sum is that to the environment
-  double standard_error = 0;   // of both, as far as rays go: of 8 sets of them
+  double sky = 0, ground = 0;  // form factors, whose sum is the one to the environment
+  double standard_error = 0;   // of either, by the spread of 8 sets of rays
 };
 
-// Divides the form factor to the environment, e, of polygons that look one way, n being their normal, z up. Without
-// anything in the way it would be 1, of which (1 + n_z) / 2 goes up. Of the 1 - e that is blocked rays find the share s
-// that would go up:
+// Splits the form factor e from some polygons to the environment. The polygons look one way, with normal n, and z is
+// up. Without obstacles the form factor to the environment would be 1, of which (1 + n_z) / 2 goes up. Obstacles take 1
+// - e. Rays find which share s of the blocked radiation goes up:
 //   sky = (1 + n_z) / 2 - s (1 - e),  ground = e - sky
-//   In: polygons: of each surface that is asked for, in one plane; environment: its e, 0 to 1
-//   Out: one for each list, sky and ground from 0 to e
-//   Error: the standard error stated, and that of e; none of rays where all that blocks is on one side of the horizon.
-//     Rays within 0.6 degrees of the plane are left out: 1e-4 of 1 - e. Tests: tests/files/energyplus_outside_test.cpp.
-//   Cost: 65,536 rays a list.
+//   In: polygons: of each surface, in one plane; environment: e of each surface, 0 to 1
+//   Out: by surface, with sky and ground from 0 to e
+//   Error: standard_error, and the error of e. Rays add none where all obstacles are on one side of the horizon. Rays
+//     within 0.6 degrees of the plane are left out: 1e-4 of 1 - e. Tests: tests/files/energyplus_outside_test.cpp.
+//   Cost: 65,536 rays a surface.
 std::vector<SkyShare> divideEnvironment(const Scene& scene, const std::vector<std::vector<uint32_t>>& polygons,
                                         const std::vector<double>& environment);
 

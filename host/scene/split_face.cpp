@@ -32,10 +32,10 @@ bool isPlanar(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) 
                      [&](const glm::dvec3& c) { return std::abs(glm::dot(c - centre, normal)) <= kPlanarTolerance; });
 }
 
-// Rounding of a turn: its terms are products of two lengths that carry a few units in the last place of the unit ball.
+// Returns the rounding error of a turn, a sum of products of two lengths with an error of a few ulps of the unit ball.
 double turnSlack(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return 4e-16 * (glm::length(b - a) + glm::length(c - b)); }
 
-// Returns whether there are left turns only, once around.
+// Returns whether the loop turns left everywhere, and only once around.
 bool isConvex(const Flat& flat, const std::vector<uint32_t>& loop) {
   double turned_rad = 0;
   for (size_t k = 0; k < loop.size(); ++k) {
@@ -46,10 +46,10 @@ bool isConvex(const Flat& flat, const std::vector<uint32_t>& loop) {
   return std::abs(turned_rad - 2 * std::numbers::pi) < 1;
 }
 
-// Counts down to 0 while a face is split, so that none takes minutes.
+// TestsLeft limits the number of tests, so that no face takes minutes.
 class TestsLeft {
  public:
-  // Returns false where not so many are left.
+  // Takes `count` tests. Returns false where fewer are left.
   bool take(uint64_t count) {
     if (count > left_) return false;
     left_ -= count;
@@ -60,8 +60,8 @@ class TestsLeft {
   uint64_t left_ = kMostTests;
 };
 
-// Edges are tested in order of their least x, each against those that begin before it ends: nothing where no test is
-// left.
+// Returns whether the face crosses itself; nothing where the tests run out. Edges are in the order of their least x,
+// each tested against edges that begin before it ends.
 std::optional<bool> crossesItself(const Flat& flat, TestsLeft& left) {
   const size_t m = flat.size();
   const auto sideOf = [&](size_t edge, size_t point) {
@@ -92,13 +92,13 @@ bool isEar(const Flat& flat, const std::vector<uint32_t>& loop, size_t at) {
   if (turn(a, b, c) <= turnSlack(a, b, c)) return false;
   for (uint32_t index : loop) {
     const glm::dvec2 p = flat[index];
-    if (p == a || p == b || p == c) continue;  // also corners that a bridge to a hole repeats
+    if (p == a || p == b || p == c) continue;  // a bridge to a hole repeats corners
     if (cross(b - a, p - a) >= 0 && cross(c - b, p - b) >= 0 && cross(a - c, p - c) >= 0) return false;
   }
   return true;
 }
 
-// Returns triangles; none where the face crosses itself, nothing where no test is left.
+// Returns triangles; an empty list where the face crosses itself, nothing where the tests run out.
 std::optional<Pieces> clipEars(const Flat& flat, TestsLeft& left) {
   std::vector<uint32_t> loop(flat.size());
   std::iota(loop.begin(), loop.end(), 0u);
@@ -112,7 +112,7 @@ std::optional<Pieces> clipEars(const Flat& flat, TestsLeft& left) {
     }
     if (!left.take(m)) return std::nullopt;
     if (at == m) {
-      // Nothing but corners on straight edges is left to cut off: they bound no area.
+      // No ear is left. A corner on a straight edge bounds no area, so it is removed.
       for (at = 0; at < m; ++at) {
         const glm::dvec2 a = flat[loop[(at + m - 1) % m]], b = flat[loop[at]], c = flat[loop[(at + 1) % m]];
         if (std::abs(turn(a, b, c)) <= turnSlack(a, b, c)) break;
@@ -126,9 +126,9 @@ std::optional<Pieces> clipEars(const Flat& flat, TestsLeft& left) {
   return triangles;
 }
 
-// Removes every diagonal whose removal leaves a convex piece.
+// Removes each diagonal if the two pieces beside it join to a convex piece.
 Pieces mergePieces(const Flat& flat, Pieces pieces) {
-  std::map<std::pair<uint32_t, uint32_t>, size_t> owner;  // piece that has the directed edge
+  std::map<std::pair<uint32_t, uint32_t>, size_t> owner;  // the piece with this directed edge
   for (size_t p = 0; p < pieces.size(); ++p)
     for (size_t k = 0; k < pieces[p].size(); ++k) owner[{pieces[p][k], pieces[p][(k + 1) % pieces[p].size()]}] = p;
   std::vector<std::pair<uint32_t, uint32_t>> diagonals;
@@ -137,7 +137,7 @@ Pieces mergePieces(const Flat& flat, Pieces pieces) {
   for (const auto& [a, b] : diagonals) {
     const size_t p = owner[{a, b}], q = owner[{b, a}];
     std::vector<uint32_t> first = pieces[p], second = pieces[q];
-    // The lists are first: b ... a, second: a ... b; joining them repeats neither a nor b.
+    // The first list becomes b ... a, the second a ... b; the joined list has each of a and b once.
     std::rotate(first.begin(), std::find(first.begin(), first.end(), b), first.end());
     std::rotate(second.begin(), std::find(second.begin(), second.end(), a), second.end());
     first.insert(first.end(), second.begin() + 1, second.end() - 1);

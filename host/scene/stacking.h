@@ -84,7 +84,7 @@ class Stacking {
   void findAlike();
 
   Scene& scene_;
-  const double rounding_;            // gaps up to this may be rounding of coordinates
+  const double rounding_;            // gaps up to this may come from rounding of coordinates
   std::vector<glm::dvec3> normals_;  // front normal of each polygon
   PolygonTree tree_;
   std::set<uint32_t> sheets_, solids_;  // surfaces that the user's options name

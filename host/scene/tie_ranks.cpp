@@ -11,10 +11,10 @@ namespace viewpeel {
 namespace {
 
 using Pairs = std::vector<std::pair<uint32_t, uint32_t>>;
-using Levels = std::map<uint32_t, uint32_t>;  // of polygons: places along the plane's normal, from 0
+using Levels = std::map<uint32_t, uint32_t>;  // by polygon: place along the plane's normal, from 0
 
-// Polygons with none below come first. Where the order has a cycle, the first polygon of it is taken to have none
-// below.
+// Returns levels in which every polygon is above all polygons below it. In a cycle the first polygon counts as the
+// lowest.
 Levels levelsOf(const Pairs& below, uint64_t& cycles) {
   struct Node {
     std::vector<uint32_t> above;
@@ -62,14 +62,14 @@ std::map<uint32_t, std::vector<uint32_t>> neighboursIn(const Pairs& pairs) {
   return neighbours;
 }
 
-// Moves polygons up so that no two that look alike share a level. Every order that the levels had they keep.
+// Moves polygons up so that two that look the same way never share a level. Orders between levels are kept.
 Levels partAlike(const Scene& scene, const TieOrders& orders, Levels levels) {
   if (orders.alike.empty()) return levels;
   for (const auto& [a, b] : orders.alike) {
     levels.try_emplace(a, 0);
     levels.try_emplace(b, 0);
   }
-  std::map<uint32_t, uint32_t> colours;  // of two of one level that look alike, the less the farther in front
+  std::map<uint32_t, uint32_t> colours;  // of polygons of one level: the smaller, the farther in front
   for (const auto& [polygon, others] : neighboursIn(orders.alike)) {
     std::set<uint32_t> taken;
     for (uint32_t other : others)
@@ -98,7 +98,7 @@ Levels partAlike(const Scene& scene, const TieOrders& orders, Levels levels) {
   return parted;
 }
 
-// Returns how many levels the polygons have that overlap, directly or by others; of each polygon.
+// Returns for each polygon the number of levels in its group: polygons that overlap, directly or through others.
 std::map<uint32_t, uint32_t> heightsOf(const TieOrders& orders, const Levels& levels) {
   Pairs all = orders.below;
   all.insert(all.end(), orders.alike.begin(), orders.alike.end());
@@ -130,13 +130,13 @@ uint64_t rankCoincidentPolygons(Scene& scene, TieOrders orders) {
   std::set<uint32_t> too_high;
   for (const auto& entry : levels)
     if (isTooHigh(entry.first)) too_high.insert(entry.first);
-  // Contacts of solids count for more than the choice between two alike faces.
+  // Contacts of solids matter more than the order of two faces that look the same way.
   if (std::erase_if(orders.alike, [&](const auto& pair) { return isTooHigh(pair.first); }) > 0) {
     levels = partAlike(scene, orders, of_below);
     heights = heightsOf(orders, levels);
   }
   for (const auto& [polygon, its_level] : levels) {
-    // The polygons of a group share the middle of the ranks.
+    // The polygons of a group are put in the middle of all ranks.
     const int level =
         static_cast<int>(its_level) + static_cast<int>(kTieRanks) / 2 - static_cast<int>(heights.at(polygon)) / 2;
     const auto along_normal = static_cast<uint32_t>(std::clamp(level, 0, static_cast<int>(kTieRanks) - 1));

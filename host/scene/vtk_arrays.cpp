@@ -16,7 +16,7 @@ namespace {
 static_assert(std::endian::native == std::endian::little, "arrays are little-endian and copied as they are");
 
 constexpr uint64_t kLargestArray = uint64_t(1) << 36;  // bytes
-constexpr uint64_t kLargestRatio = 1032;               // of zlib: no block grows more
+constexpr uint64_t kLargestRatio = 1032;               // no block of zlib grows by more
 
 int valueOf(char c) {
   if (c >= 'A' && c <= 'Z') return c - 'A';
@@ -25,7 +25,7 @@ int valueOf(char c) {
   return c == '+' ? 62 : c == '/' ? 63 : -1;
 }
 
-// Decodes base64 up to the end or a `=`; blanks are passed over. `used` is where the text goes on.
+// Decodes base64 up to the end or a `=`, without blanks. `used` becomes the position of the next character.
 std::string decodeBase64(std::string_view text, size_t& used) {
   std::string bytes;
   uint32_t bits = 0;
@@ -44,7 +44,7 @@ std::string decodeBase64(std::string_view text, size_t& used) {
   return bytes;
 }
 
-// Returns the length of the text of base64 that stands for so many bytes.
+// Returns the number of base64 characters for this number of bytes.
 size_t base64Length(uint64_t bytes) { return static_cast<size_t>((bytes + 2) / 3 * 4); }
 
 std::string_view trim(std::string_view text) {
@@ -57,7 +57,7 @@ std::string_view trim(std::string_view text) {
 VtkFile::VtkFile(const std::filesystem::path& file, const char* kind) : place_{file.string()} {
   std::ifstream in(file, std::ios::binary);
   std::string text{std::istreambuf_iterator<char>(in), {}};
-  // Appended bytes are no XML: they are cut out before it is parsed.
+  // The appended bytes are not XML, so they are cut out before it is parsed.
   if (const size_t tag = text.find("<AppendedData"); tag != std::string::npos) {
     const size_t start = text.find('_', text.find('>', tag)), end = text.rfind("</AppendedData>");
     if (start == std::string::npos || end == std::string::npos || end < start)
@@ -88,8 +88,8 @@ uint64_t VtkFile::headerAt(std::string_view bytes, size_t index) const {
   return value;
 }
 
-// Plain blocks are a length and bytes; compressed ones the numbers of blocks, their length, the last one's, and the
-// compressed length of each. In base64 the header is encoded apart where blocks are compressed.
+// Decodes a block of an array. A plain block is its length and its bytes. A compressed block begins with the number of
+// pieces, their length, the last one's length, and each compressed length. In base64 this header is encoded separately.
 std::string VtkFile::decodeBlock(std::string_view encoded, bool is_base64) const {
   size_t used = 0;
   std::string decoded;
