@@ -1,4 +1,4 @@
-// Runs that ask for one pair of surfaces, or for one emitter, draw directions for this pair or emitter alone.
+// For a question about one pair of surfaces, or one emitter, directions are drawn only where they matter for it.
 #pragma once
 #include <cstdint>
 #include <span>
@@ -101,8 +101,8 @@ struct DrawnDirections {
 //     O(N^(-2+eps)) convergence for lattice quadrature rules, MCQMC 2000.
 DrawnDirections sampleRegion(const DirectionRegion& region, uint32_t count, uint64_t seed, uint64_t replicate);
 
-// This is e of eq. (11), the share of an emitter's density that is uniform over the half sphere. Weights are at most 1
-// / e. docs/method.md has the measurements that chose it.
+// This is e of eq. (11), the share of an emitter's directions that is uniform over the half sphere. Weights are at most
+// 1 / e. docs/method.md has the measurements behind the value.
 constexpr double kUniformShare = 1.0 / 4;
 constexpr double kEmitterWeightUnit = 0x1p-12;
 

@@ -15,8 +15,8 @@ constexpr int kMostPasses = 40;
 // A row's gain may miss its goal by this share of the standard error of its guesses.
 constexpr double kTolerance = 0.01;
 constexpr double kMostTilt = 8;  // greatest |y|, so odds change by a factor of at most e^16
-// A row's gain is at most this share of what it would gain if all its guessed visibilities were 1 (or 0). The whole of
-// it would take infinite odds.
+// A row's gain is at most this share of what it would gain if all its guessed visibilities were 1 (or 0). The full gain
+// would need infinite odds.
 constexpr double kMostOfRoom = 0.98;
 
 void addToRows(Rows& rows, const Entry& entry, double value) {

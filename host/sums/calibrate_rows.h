@@ -25,8 +25,7 @@ struct Guess {
 // Moves guesses so that row sums come near to 1.
 //   x_ij := x_ij + w_ij X_ij (t(s_ij, y_i + y_j) - s_ij),  t(s, y) = s e^y / (1 - s + s e^y)
 //   with X_ij, s_ij, w_ij a guess's `most`, `visibility` and `weight`. Row i gains g_i of eq. (41), so rows whose
-//     guesses
-//   matter little keep their measured sums.
+//   guesses matter little keep their measured sums.
 //   In: entries: exchange areas of all pairs, environment and leak, sorted by (i, j); guesses: guessed parts of
 //     entries, sorted by entry; areas: double[rows], emitting area of each row, input units squared
 //   Out: entries: with moved values and the same standard errors. Reciprocity still holds, for x_ij is one number. The

@@ -1,5 +1,5 @@
-// ControlVariateSums adds up, over replicates, the counts of pairs less their control variates, to make them less
-// noisy.
+// ControlVariateSums adds up, over replicates, the counts of pairs less their control variates, which have less
+// variance than the counts.
 //
 // Of the lines on which the fronts of a pair look at each other, V are facing and O are blocked. E[V + O] is known: it
 // is the unoccluded form factor (docs/method.md, eq. (14)). With a visibility b that is fixed beforehand, V - b (V + O)
@@ -29,7 +29,7 @@ struct ControlVariate {
   uint32_t i, j;
   int64_t control;
   Wide squares;       // sum over the replicate's lines of the squares of what each adds to `control`
-  uint64_t line = 1;  // the most counts that one line adds
+  uint64_t line = 1;  // most counts that one line adds
 };
 
 // Returns the counts with `blocked` of each environment and leak set to all other lines of its row. V + O is then the
@@ -121,9 +121,8 @@ class ControlVariateSums {
   //   In: measure_area, count_area: as in ReplicateSums; prior: sorted by (i, j), every pair at most once
   //   Out: entries of all pairs with sums or in `prior`; no row sums
   //   Error: unbiased, except that values are moved into [0, most], where the truth lies. Standard errors are as in
-  //     ReplicateSums, with the squares in the place of counts. They are at least one line's, and at most the distance
-  //       to
-  //     the farther end of [0, most]. So a pair that no line met has a standard error, too.
+  //     ReplicateSums, with squares instead of counts. They are at least one line's, and at most the distance to the
+  //     farther end of [0, most]. So a pair that no line met has a standard error, too.
   FormFactors formFactors(double measure_area, const std::vector<PriorExchange>& prior,
                           double count_area = INFINITY) const;
   // Returns the form factors after the function allowForUnmet above has raised the standard errors of all pairs whose
@@ -144,10 +143,10 @@ class ControlVariateSums {
   uint64_t replicate_count_ = 0;
 };
 
-// Returns, for each pair, the entry from control variates, or the entry from counts alone where its standard error is
-// less than half as large. Control variates add noise where their visibilities come from too few lines. The factor 2
-// makes it unlikely that chance chooses: of two equal standard errors from 8 replicates, one comes out below half the
-// other in 1 of 25 cases.
+// Returns for each pair the entry from control variates, or the entry from counts alone where its standard error is
+// less than half as large. Control variates add noise where visibilities come from too few lines. The factor 2 makes
+// choices by chance rare: from 8 replicates, one of two equal standard errors is below half the other in 1 of 25
+// cases.
 //   In: controlled, sampled: form factors of the same ids and replicates    Out: form factors with the row sums of
 //     `sampled`
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled);

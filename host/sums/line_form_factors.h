@@ -17,7 +17,7 @@ namespace viewpeel {
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
-// Returns the same from given exchange areas of pairs of faces, and of faces with kLeak.
+// Returns form factors in the same way from given exchange areas of pairs of faces, and of faces with kLeak.
 //   In: entries: sorted, with independent errors, input units squared; surface: uint32_t[faces], the surface of each
 //     face
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,

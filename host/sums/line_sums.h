@@ -102,7 +102,7 @@ class LineSums {
   std::vector<FormFactors::Entry> entries() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;
-  // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that the two can be
+  // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that both can be
   // added. Unoccluded form factors may differ by rounding.
   bool goesWith(const LineSums& others) const;
 

@@ -1,5 +1,5 @@
-// A PairPrior holds what is known of a pair of faces before the run: its unoccluded exchange area, and its visibility
-// as pilots saw it.
+// A PairPrior is what the run knows about a pair of faces beforehand: its unoccluded exchange area, and its visibility
+// in pilots.
 #pragma once
 #include <algorithm>
 #include <cmath>

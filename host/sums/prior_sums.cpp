@@ -219,7 +219,7 @@ std::vector<FormFactors::Entry> PriorSums::ofPriorPairs(double measure_area, dou
 }
 
 FormFactors PriorSums::bySurface(double measure_area, double count_area, const FormFactors& sampled) const {
-  // Directed pairs have random numbers of their own, so their variances are added to those of the other pairs.
+  // Directed pairs use separate random numbers, so their variances add to the variances of other pairs.
   const FormFactors others =
       by_surface_.allowForUnmet(by_surface_.formFactors(measure_area, surface_exchanges_, count_area), measure_area,
                                 surface_exchanges_, count_area);

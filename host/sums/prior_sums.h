@@ -1,5 +1,5 @@
 // PriorSums adds up the counts of a run that uses unoccluded form factors. By polygon it estimates visibilities,
-// between surfaces it uses control variates. What pilots have found before the run is the prior.
+// between surfaces it uses control variates. The prior is what pilots found before the run.
 #pragma once
 #include <vector>
 
@@ -7,16 +7,16 @@
 
 namespace viewpeel {
 
-// A DirectedPair is a pair of faces with directions of its own on a lattice of its own (docs/method.md, section 8). Its
-// form factor does not use the lines of common directions.
+// A DirectedPair is a pair of faces whose form factor comes from separate directions and lattices (docs/method.md,
+// section 8), not from common directions.
 struct DirectedPair {
   uint32_t i, j;            // i < j; the pair is also in Prior::pairs
-  uint32_t directions = 0;  // directions of its own in each replicate
+  uint32_t directions = 0;  // number of its directions in each replicate
   uint32_t resolution = 0;  // lattice spacings across the unit ball's diameter
   uint32_t visibility = 0;  // visibility in its control variates, in units of 2^-kVisibilityBits
   uint32_t line = 1;        // counts that one line adds
-  double measure_area = 0;  // as in ReplicateSums, along its own directions, input units squared
-  double count_area = 0;    // as in ReplicateSums, along its own directions, input units squared
+  double measure_area = 0;  // as in ReplicateSums, for its directions, input units squared
+  double count_area = 0;    // as in ReplicateSums, for its directions, input units squared
 
   bool operator==(const DirectedPair&) const = default;
 };
@@ -34,8 +34,8 @@ struct Prior {
   std::vector<uint64_t> lines;           // as in lineOf, by face
   bool has_all_pairs = false;            // whether pairs that are not in `pairs` cannot see each other
   std::vector<DirectedPair> directed{};  // sorted by (i, j)
-  // Rank of each face by place, as rankByPlace() returns it. Where it is empty, pairs that no line met get no
-  // visibility of their neighbours.
+  // Rank of each face by place, as rankByPlace() returns it. Where it is empty, pairs that no line met do not take
+  // their neighbours' visibility.
   std::vector<uint32_t> ranks{};
 
   bool operator==(const Prior&) const = default;
@@ -51,7 +51,7 @@ class PriorSums {
 
   // Adds one replicate.
   //   In: counts: counts of pairs of faces along common directions; directed: counts of each of Prior::directed along
-  //     its own directions
+  //     its directions
   //   Throws: as takeControlVariates.    Cost: O(n log n) for n counts.
   void add(const PairCounts& counts, const PairCounts& directed);
   // Returns the pairs of faces that are not in the prior, with a facing line and `least_lines` lines or more, facing or
@@ -77,10 +77,9 @@ class PriorSums {
 
   // Returns form factors by polygon, with their row sums, after calibrateRows.
   //   In: measure_area, count_area: as in ReplicateSums; counted: sums of the same replicates, whose row sums are used;
-  //     sampled: entries of the pairs outside the prior and of those for which isCountedAlone holds, from counts alone;
-  //     row: computes exchange areas of pairs outside the prior; where it is empty such pairs have their `sampled`
-  //       entry
-  //     or none
+  //     sampled: entries, from counts alone, of pairs outside the prior and of pairs with isCountedAlone; row: computes
+  //     exchange areas of pairs outside the prior; where it is empty these pairs have only their `sampled` entry, if
+  //     any
   FormFactors byPolygon(double measure_area, double count_area, const ReplicateSums& counted,
                         const std::vector<FormFactors::Entry>& sampled, const ExchangeRow& row = {}) const;
   // Returns one entry for each pair of the prior, before calibrateRows.

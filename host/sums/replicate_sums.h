@@ -62,7 +62,7 @@ class ReplicateSums {
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
-  // Calls f(i, j, A_i F_ij) for every pair with a facing line, those with environment and leak included.
+  // Calls f(i, j, A_i F_ij) for every pair with a facing line, pairs with environment and leak included.
   template <class F>
   void forEachPair(double measure_area, F f) const {
     for (const PairSum& pair : pairs_) f(pair.i, pair.j, exchangeArea(pair, measure_area, INFINITY));

@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns the ranges sorted, with those joined that follow each other without a gap.
+// Returns the ranges sorted. Ranges that follow each other without a gap are joined.
 std::vector<ReplicateRange> joinRanges(std::vector<ReplicateRange> ranges) {
   std::sort(ranges.begin(), ranges.end(),
             [](const ReplicateRange& a, const ReplicateRange& b) { return a.first < b.first; });

@@ -1,5 +1,5 @@
-// RunSums holds all sums of a run: a result, or a run that goes on, needs nothing else of the replicates done.
-// Checkpoints keep it, and RunSums of several parts of a run add up.
+// RunSums holds all sums of a run: a result, or the rest of the run, needs nothing else of the replicates done.
+// Checkpoints store it, and RunSums of several parts of a run can be added.
 #pragma once
 #include <cstdint>
 #include <optional>
@@ -23,7 +23,7 @@ struct ReplicateRange {
 struct RunSums {
   ReplicateSums by_id;                     // counts by id; only their row sums where hasPairsInVisible() holds
   ReplicateSums by_surface;                // the same counts added up by surface
-  std::vector<ReplicateRange> replicates;  // replicates done: sorted ranges, with a gap between each and the next
+  std::vector<ReplicateRange> replicates;  // replicates done: sorted, with a gap between ranges
   uint64_t directions = 0;                 // common directions of all replicates
   double measure_area = 0;                 // as in ReplicateSums, input units squared; 0 before the first replicate
   std::optional<PriorSums> prior_sums{};   // in runs that use unoccluded form factors; ids of by_id are faces then
@@ -41,7 +41,7 @@ struct RunSums {
 
   // Adds one replicate.
   //   In: replicate: its number, not among `replicates`; counts: along common directions, by id; direction_count:
-  //     number of these directions; directed: counts of directed pairs along their own directions
+  //     number of these directions; directed: counts of directed pairs along their directions
   //   Cost: O(n log n) for n counts.
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   // Adds one replicate of a run with pair lines.    In: as in add; line_counts: sums of the pair lines

@@ -221,8 +221,8 @@ class VisibilitySums::Entries {
     Measured exchange{has_visibility ? b * prior.most : prior.area, INFINITY};
     if (sums_.replicate_count_ < 2) return exchange;
     const double area = std::min(sums_.ids_.areas[pair.i], pair.j < kEnvironment ? sums_.ids_.areas[pair.j] : INFINITY);
-    // `variance` is that of the sum of the residuals (16) over replicates, in counts. `squares` is what it would be if
-    // each line were blocked independently.
+    // `variance` is the variance of the sum of residuals (16) over replicates, in counts. `squares` would be this
+    // variance if each line were blocked independently.
     const double residuals = (1 - b) * (1 - b) * double(squared.facing) - 2 * b * (1 - b) * double(squared.product) +
                              b * b * double(squared.blocked);
     const double variance = std::max(0.0, residuals) * replicates / (replicates - 1),
@@ -251,7 +251,7 @@ class VisibilitySums::Entries {
     return exchange;
   }
 
-  // A pair with fewer lines than this number is drawn to the visibility m of its neighbours, eq. (21).
+  // A pair with fewer lines than this takes a part of its visibility from its neighbours, eq. (21).
   static constexpr double kFewLines = 4;
   static double withNeighbours(double lines_of_pair, double b, double m) {
     return (lines_of_pair * b + NeighbourVisibility::kNeighbours * m) /

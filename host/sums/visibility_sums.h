@@ -72,8 +72,8 @@ class VisibilitySums {
   //   row: computes unoccluded exchange areas of pairs outside the prior; empty: such pairs have no entry unless
   //     sampled
   //   Error: the bias of a visibility is below its standard error (section 6). With neighbours, a visibility from fewer
-  //     than four lines is drawn to its neighbours', which then counts as half a line. Standard errors come from
-  //     replicates. They are at least one line's, and at most the distance to the farther end of [0, most].
+  //     than four lines is averaged with theirs, which count as half a line. Standard errors come from replicates. They
+  //     are at least one line's, and at most the distance to the farther end of [0, most].
   //     Tests: tests/device/find_prior_test.cpp, bench/programs/coverage.cpp.
   Found find(const std::vector<PairPrior>& prior, const std::vector<uint64_t>& lines, double measure_area,
              double count_area, std::span<const ReplicateSums::Sum> rows,
@@ -91,7 +91,7 @@ class VisibilitySums {
 
   Ids ids_;
   std::vector<PairSum> pairs_;
-  // Squares / 2^64, by (i, j), of the few pairs with so many lines that these are not all 0.
+  // Squares / 2^64, by (i, j), of the few pairs with so many lines that these are above 0.
   std::map<std::pair<uint32_t, uint32_t>, std::array<uint64_t, 3>> high_squares_;
   uint64_t replicate_count_ = 0;
 };

@@ -29,8 +29,8 @@ std::vector<GaussPoint> gaussPoints(int n) {
 }
 
 double largestMonomialError(int n) {
-  // The mean of x^k and the rule's value both decrease with k. Beyond this power both are smaller than the largest
-  // error.
+  // The mean of x^k and the rule's value both decrease with k. Above this power both are smaller than the largest
+  // error, so larger powers need not be tried.
   constexpr int kLastPower = 400;
   const std::vector<GaussPoint> points = gaussPoints(n);
   double largest = 0;

@@ -142,7 +142,7 @@ struct HostUnoccluded::Sides {
   bool is_flipped;                                    // exactly one of the sides is a back
   double distance;                                    // between the mean corners
   Depths depths_a, depths_b;                          // depths of each polygon's corners over the other's plane
-  double rounding_a, rounding_b;                      // what rounding may change of these depths
+  double rounding_a, rounding_b;                      // errors of these depths by rounding
 
   // Returns whether the sides lie in one plane, face to face, as the faces of touching solids do.
   bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
@@ -317,7 +317,7 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& e
     edges[4] = {leaves, enters - leaves};
     return edges;
   };
-  constexpr Depths kWhole{1, 1, 1, 1};  // of touching sides, as across a narrow gap: nothing is cut off
+  constexpr Depths kWhole{1, 1, 1, 1};  // for touching sides, so that nothing is cut off
   const auto edges_a = frontEdges(sides.a, sides.areTouching() ? kWhole : sides.depths_a, sides.rounding_a);
   const auto edges_b = frontEdges(sides.b, sides.areTouching() ? kWhole : sides.depths_b, sides.rounding_b);
   double sum = 0;

@@ -26,10 +26,9 @@ class RowExchange {
   RowExchange(const Scene& scene, const Ids& ids);
 
   // Computes the unoccluded exchange areas of id i with ids i + 1, i + 2, ... Several threads may call it at once.
-  //   In: later: BoundedExchange[ids - i - 1], each with area 0 and error 0, or with an error below 0 where it is not
-  //     wanted
+  //   In: later: BoundedExchange[ids - i - 1], each with area 0 and error 0; an error below 0 leaves the id out
   //   Out: later: exchange areas and bounds on their errors, input units squared; 0 and 0 where the two cannot see each
-  //     other; unchanged where it is not wanted
+  //     other; ids that are left out are unchanged
   //   Error: within the bounds; tests/unit/row_exchange_test.cpp. A bound exceeds 5 % of its exchange area only where
   //     one polygon is cut by the other's plane.
   //   Cost: O(n) for n ids.

@@ -36,7 +36,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   shape.density = glm::dot(shape.normal, glm::cross(along_u, along_v));
   shape.density_u = glm::dot(shape.normal, glm::cross(along_u, along_uv));
   shape.density_v = glm::dot(shape.normal, glm::cross(along_uv, along_v));
-  // A triangle's last edge is collapsed, and the density is 0 there. What rounding leaves of it is set to 0.
+  // A triangle's last edge is collapsed, so the density there must be 0. A remainder from rounding is set to 0.
   std::array<double, 4> density{};
   for (size_t k = 0; k < 4; ++k) {
     const double u = k == 1 || k == 2 ? 1 : -1, v = k >= 2 ? 1 : -1;

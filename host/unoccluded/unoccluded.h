@@ -67,14 +67,14 @@ class UnoccludedExchange {
   // Computes the exchange areas of pairs of sides.
   //   In: pairs: pairs of sides, in any order; areas: double[pairs]
   //   Out: areas: A_i F_ij of each pair, unit-ball units squared, the same bits for (i, j) and (j, i) and for any
-  //     options. They are exactly 0 between sides of one polygon. They are 0, too, where one side lies behind the
-  //     other's plane or within rounding of it (2^-50, and more where a thin polygon's corners do not fix its plane).
-  //     Sides of one plane that face each other, as touching solids do, exchange the area of their overlap. It returns
-  //     the pairs whose error may exceed the bounds, sorted by index; their areas are from the rules with the most
-  //       points.
+  //     options. They are exactly 0 between sides of one polygon, and where one side lies behind the other's plane
+  //     or within rounding of it (2^-50, and more where a thin polygon's corners do not fix its plane). Sides of
+  //     one plane that face each other, as touching solids do, exchange the area of their overlap. It returns the
+  //     pairs whose error may exceed the bounds, sorted by index; their areas are from the rules with the most
+  //     points.
   //   Error: kUnoccludedRelativeError or kUnoccludedAbsoluteError, whichever allows more; kUnoccludedRelativeError
-  //     alone for far pairs. These follow from bounds on rounding and on the error of every rule; that of graded rules
-  //     was measured (line_rules.h). The corners are taken as exact. tests/device/unoccluded_test.cpp.
+  //     alone for far pairs. Both follow from bounds on rounding and on the error of every rule; the error of graded
+  //     rules was measured (line_rules.h). The corners are taken as exact. tests/device/unoccluded_test.cpp.
   //   Throws: Error bad_usage for a side that the scene does not have, or spans of different sizes; Error device.
   //   Cost: 16 to 1296 values of the integrand a far pair; up to 25 line integrals a near pair, each of 4 to 24 points,
   //     or four times as many where edges touch. Memory as UnoccludedOptions says.

@@ -7,11 +7,11 @@
 
 namespace viewpeel {
 
-// The memory of a buffer is the device's own, or is mapped for the host to write (upload) or to read (readback).
+// The memory of a buffer is on the device, or mapped for the host to write (upload) or read (readback).
 enum class MemoryUse { device, upload, readback };
 
-// A Buffer is reached by its device address and, where it has a texel format, read as texels. Each has a memory
-// allocation of its own, so it does not suit many small buffers.
+// Shaders reach a Buffer by its device address and, where it has a texel format, as texels. Each Buffer allocates
+// memory separately, so it does not suit many small buffers.
 class Buffer {
  public:
   Buffer() = default;

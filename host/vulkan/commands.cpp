@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-Commands::Commands(const Device& device) : Commands() {  // so that the destructor frees what there is after a failure
+Commands::Commands(const Device& device) : Commands() {  // delegates, so that the destructor runs if this body throws
   device_ = device.handle();
   queue_ = device.queue();
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};

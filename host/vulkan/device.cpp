@@ -18,8 +18,8 @@ namespace {
 
 constexpr const char* kValidationLayer = "VK_LAYER_KHRONOS_validation";
 
-// Features has the structs in which Vulkan reports and enables the features of a device. kNeededFeatures names those
-// that a device must have; the same table checks a device and enables them.
+// Features has the structs in which Vulkan reports and enables features. kNeededFeatures names the features that a
+// device must have; the same table serves to check a device and to enable them.
 struct Features {
   VkPhysicalDeviceVulkan13Features v13{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES, nullptr};
   VkPhysicalDeviceVulkan12Features v12{VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES, &v13};

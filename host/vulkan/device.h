@@ -1,5 +1,5 @@
-// A Device is a Vulkan device with one queue for compute, graphics and transfers. The user chooses it, or its kind
-// does: a discrete GPU before an integrated one, a CPU last.
+// A Device is a Vulkan device with one queue for compute, graphics and transfers. Unless the user names it, its kind
+// decides: discrete GPUs before integrated ones, CPUs last.
 #pragma once
 #include <memory>
 #include <string>

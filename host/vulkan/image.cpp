@@ -10,7 +10,7 @@ namespace viewpeel {
 
 Image::Image(const Device& device, uint32_t width, uint32_t height, VkFormat format, VkImageUsageFlags usage,
              VkImageAspectFlags aspect)
-    : Image() {  // so that the destructor frees what there is when a later step throws
+    : Image() {  // delegates, so that the destructor runs if this body throws
   device_ = device.handle();
   aspect_ = aspect;
   VkImageCreateInfo info{VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO};

@@ -51,7 +51,7 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
                const std::vector<uint32_t>& constants, uint32_t texel_buffers)
-    : Kernel() {  // so that the destructor frees what there is when a later step throws
+    : Kernel() {  // delegates, so that the destructor runs if this body throws
   device_ = device.handle();
   stages_ = VK_SHADER_STAGE_COMPUTE_BIT;
   const ShaderModule module(device, spirv);

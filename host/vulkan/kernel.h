@@ -33,8 +33,8 @@ class Kernel {
          const std::vector<uint32_t>& constants = {}, uint32_t texel_buffers = 0);
   // Makes a graphics kernel for dynamic rendering. It draws triangle strips without vertex buffers into one colour and
   // one depth attachment.
-  //   In: colour, depth: formats of the attachments; nearer: a fragment is drawn where its depth compares to the depth
-  //     there in this way
+  //   In: colour, depth: formats of the attachments; nearer: comparison by which a fragment's depth must pass against
+  //     the depth that is stored
   Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
          VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer = VK_COMPARE_OP_LESS);
   ~Kernel();
