@@ -21,7 +21,7 @@ ConvexSize sizeOf(const Scene& scene, const Polygon& polygon);
 //     aux coordonnees entieres couverts par elle, Colloq. Math. 1, 1948.
 double latticeRange(const ConvexSize& x, double h);
 
-// Returns the same kind of bound for scanlines: on 2 h times the length of the lattice rows inside a projection of x.
+// Returns a bound for scanlines: on 2 h times the length of the lattice rows inside a projection of x, as latticeRange.
 // docs/method.md, eq. (28), has the proof.
 //   Out: 2 A + 2 h d + 2^-9 h (d + h), d the diameter    Error, Tests, Throws, Cost: as for latticeRange.
 double scanlineRange(const ConvexSize& x, double h);

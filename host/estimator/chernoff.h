@@ -1,4 +1,4 @@
-// Bounds on the mean of independent variables in [0, 1].
+// chernoffBounds() bounds the mean of independent variables in [0, 1].
 #pragma once
 
 namespace viewpeel {

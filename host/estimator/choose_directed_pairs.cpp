@@ -1,4 +1,4 @@
-// Pairs get directions of their own where the run ends sooner with them. Pilots of the pairs say how many each needs.
+// A pair becomes a directed pair where the run then ends sooner. Pilots of each pair say how many directions it needs.
 #include "estimator/directed_pairs.h"
 
 #include <algorithm>
@@ -16,17 +16,18 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
-// The unit of work is the time that one polygon takes at one lattice point, some 10 ns. The costs were measured on
-// lavapipe, and are the same on every device, for parts of a run have to choose alike.
-constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // of projecting a polygon along a direction
-constexpr double kPointCost = 4;                                 // with blocked pairs
+// The unit of work is the time that one polygon takes at one lattice point, some 10 ns. Costs were measured on lavapipe
+// and are used on every device, so that parts of a run on different devices choose alike.
+constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // to project a polygon along a direction
+constexpr double kPointCost = 4;                                 // when blocked pairs are counted, too
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
 constexpr double kDearest = 8;  // most directions of a pair, as a multiple of the common ones
-// None of this many directions hits a pair in e^-3 = 5 % of cases, and fewer say little of its visibility.
+// With this expected number of directions none hits the pair in e^-3 = 5 % of cases. Fewer say little of its
+// visibility.
 constexpr double kFewDirections = 3;
-constexpr int64_t kMostOnTrust = 8;                       // pairs of which no pilot saw a polygon blocked
+constexpr int64_t kMostOnTrust = 8;                       // most pairs where no pilot saw a polygon blocked
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
-constexpr double kWorthIt = 0.8;                          // of the work without them
+constexpr double kWorthIt = 0.8;                          // largest share of the other work that is worth it
 constexpr double kMostReplicates = 1e12;
 
 using Key = std::pair<uint32_t, uint32_t>;
@@ -35,7 +36,7 @@ double smallerArea(const Ids& ids, Key pair) {
   return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY);
 }
 
-// Returns the error of a pair's exchange area that the goals allow; infinite where they do not look at it.
+// Returns the error that the goals allow a pair's exchange area; infinite where no goal is about the pair.
 double allowedError(const EstimateOptions& options, double area, double exchange) {
   double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
   if (options.relative && exchange >= options.relative_floor * area)
@@ -46,18 +47,18 @@ double allowedError(const EstimateOptions& options, double area, double exchange
 // A Need is a pair that does not reach the goal in the request's replicates.
 struct Need {
   Key pair;
-  double replicates = 0;  // that it needs
+  double replicates = 0;  // number that the pair needs
   double allowed = 0, most = INFINITY;
   bool may_direct = false;
-  // Neither face was seen blocked, and few lines hit the pair.
+  // Few lines hit the pair, and none was blocked at either face.
   bool on_trust = false;
 };
 
 struct PredictedError {
-  double variance = 0;  // of one replicate
-  double line = 0;      // one line's in one replicate
+  double variance = 0;  // of the exchange area in one replicate
+  double line = 0;      // error of one line in one replicate
   double most = INFINITY, area = 0, directions = 0;
-  bool has_variance = false;  // by a line
+  bool has_variance = false;  // whether a line counted
 
   double after(double replicates) const {
     double floor = line / replicates;
@@ -67,11 +68,11 @@ struct PredictedError {
   }
 };
 
-// PilotVariances holds variances of one pilot's exchange area, for pairs in order.
+// PilotVariances holds variances of the pilots' exchange areas. Pairs are looked up in rising order.
 class PilotVariances {
  public:
-  // Each half of the pilots takes the visibilities of the other half. With its own, pairs of few lines would look
-  // better than they are.
+  // Each half of the pilots uses the visibilities of the other half. With its own visibilities, a pair of few lines
+  // would seem better known than it is.
   PilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
@@ -93,7 +94,7 @@ class PilotVariances {
       });
     }
   }
-  // The pairs come in rising order; none where no line counted.
+  // Returns a pair's variance; nothing where no line counted. Pairs must come in rising order.
   std::optional<double> of(Key pair) {
     double sum = 0;
     bool has_variance = false;
@@ -112,7 +113,7 @@ class PilotVariances {
   size_t at_[2] = {0, 0};
 };
 
-// Returns needs, sorted: the pair that needs most replicates comes first.
+// Returns the needs in order: the pair that needs the most replicates comes first.
 std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilots& pilots,
                             const EstimateOptions& options) {
   PairCounts all;
@@ -132,14 +133,15 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
         double(is_pair ? std::min(prior.lines[pair.first], prior.lines[pair.second]) : prior.lines[pair.first]);
     if (pair_prior && is_pair && pair_prior->exchange < INFINITY) error.most = std::min(pair_prior->exchange, area);
     const std::optional<double> variance = variances.of(pair);
-    // The variance is of one replicate, which has as many directions as all pilots.
+    // The pilots' variance becomes the variance of one replicate, which has another number of directions.
     error.variance = variance.value_or(0) * pilots.directions / directions;
     error.has_variance = variance.has_value();
     const bool may_direct = is_pair && error.most < INFINITY;
     double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
     if (may_direct) exchange = std::max(exchange, error.most * pair_prior->visibility / kVisibilityOne);
     PredictedError unsure = error;
-    // Few directions that agree prove little. At least `expected_directions` hit the pair, and half of them may see it.
+    // Agreement of few directions proves little. About `expected_directions` hit the pair, and it may be visible to
+    // half.
     if (const double expected_directions = directions * error.most / (2 * area);
         may_direct && expected_directions < kFewDirections &&
         error.most * error.most / (4 * expected_directions) > error.variance) {
@@ -166,7 +168,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     if (is_counted) ++count;
     if (has_prior) ++at;
   }
-  // A pair whose trouble is only unlikely is looked into where this costs little.
+  // Pairs on trust most likely reach the goal, so they are needs only where they are few.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
     std::erase_if(needs, [](const Need& need) { return need.on_trust; });
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
@@ -175,14 +177,14 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
   return needs;
 }
 
-// Returns the work of runs in which the first of `needs` have directions of their own.
+// RunWork predicts the work of runs in which the first pairs of `needs` are directed pairs.
 class RunWork {
  public:
   RunWork(const PairSampler& sampler, const std::vector<Need>& needs, const Ids& ids, const Prior& prior,
           const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
-    // Counts lattice points of faces along a direction. The mean projection of a face is half of its area.
+    // lattice points that all faces cover along a direction, by a mean projection of half a face's area
     double points = 0;
     for (uint32_t k = 0; k < ids.count(); ++k)
       points += ids.areas[k] / (2 * pilots.count_area * double(prior.lines[k]));
@@ -190,8 +192,8 @@ class RunWork {
     directed_ = kDirectionCost + kDirectedPolygonCost * polygons + kPointCost * kEmitterSpacings * kEmitterSpacings;
   }
 
-  // Returns how many of the first pairs of `directed`, in the order of needs, make for the least work. It returns none
-  // where this is not worth it.
+  // Returns the first pairs of `directed` that give the least work, in the order of needs. It returns none where this
+  // saves too little.
   std::vector<DirectedPair> keepLeast(const std::vector<DirectedPair>& directed) const {
     std::vector<DirectedPair> tried, best;
     const double without = of({});
@@ -217,10 +219,10 @@ class RunWork {
   const PairSampler& sampler_;
   const std::vector<Need>& needs_;
   const EstimateOptions& options_;
-  double common_ = 0, directed_ = 0;  // of a direction
+  double common_ = 0, directed_ = 0;  // of one direction
 };
 
-// Returns a pair's share and as many directions as it needs; 0 directions where that is no gain.
+// Returns the pair with as many directions as it needs, and its visibility; with 0 directions where this gains nothing.
 DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair,
                  const EstimateOptions& options) {
   pair.directions = kPilotDirections;
@@ -237,7 +239,7 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
     const std::vector<PairVisibility> visibilities = fitVisibilities(fitted);
     return visibilities.empty() ? 0 : visibilities[0].visibility;
   };
-  // Either half of the pilots takes the visibility of the other half, or none.
+  // Each half of the pilots uses the visibility of the other half, or none.
   const auto errorWith = [&](bool has_visibility) {
     double squares = 0;
     for (const bool second : {false, true}) {
@@ -252,8 +254,8 @@ DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, Directe
   };
   const double without = errorWith(false), with = errorWith(true);
   pair.visibility = with <= without ? visibilityOf(addCounts(halves[0], halves[1])) : 0;
-  // A pair is brought to half of its allowance, for errors of pilots differ from errors of the run. No direction is
-  // worth more.
+  // The pair gets directions for half of the allowed error, because pilots' errors differ from the run's. It also gets
+  // so many that a single direction adds no more than this error.
   const double goal = need.allowed / 2;
   const double directions =
       std::max(kPilots * kPilotDirections * std::pow(std::min(with, without) / goal, 2), need.most / goal) /

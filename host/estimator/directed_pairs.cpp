@@ -80,7 +80,7 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
   }
 }
 
-// Returns ids: 0 the emitter, from 1 on its partners, and one for all that is only in the way.
+// Returns ids by role: 0 for the emitter, from 1 on for its partners, and a last one for all obstacles.
 Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) const {
   Ids ids;
   ids.two_sided = face_ids_.two_sided;

@@ -1,15 +1,15 @@
-// Pairs of faces that common directions hardly hit are sampled here by further directions inside their anti-convex
-// hulls.
+// Directed pairs are pairs of faces that common directions hardly hit. They are sampled by further directions, within
+// their anti-convex hulls.
 //
 // All lines between two faces lie along the directions of a region W of the half sphere (findPairRegion). Eq. (10) of
 // docs/method.md gives C_ij from directions uniform in W, and eq. (25) the area that one counted point stands for,
-// facing or blocked. Eq. (17) is unbiased with it if W, the number of directions, the spacing and b are fixed
-// beforehand. Pilots fix them, and the pilots' random numbers are none of the run's. In the run the form factor of such
-// a pair is made of its own directions alone, in every replicate. Every other pair takes common directions alone. So no
-// choice depends on the run's own counts.
+// facing or blocked. With it eq. (17) is unbiased if W, the number of directions, the spacing and b are fixed
+// beforehand. Pilots fix them, with other random numbers than the run. In the run the form factor of a directed pair
+// comes from its directions alone, in every replicate; every other pair uses common directions alone. So no choice
+// depends on the run's counts.
 //
-// A pair has the replicates of the run, with random numbers of its own. Counts are a function of seed, pair and number
-// of the replicate, and add up as integers. Row sums, environment and leak stay with the common directions. Tests:
+// A directed pair has the run's replicates and separate random numbers. Counts are a function of seed, pair and
+// replicate number, and add up as integers. Row sums, environment and leak stay with the common directions. Tests:
 // tests/device/directed_pairs_test.cpp; coverage: bench/programs/coverage.cpp, scene `gap`.
 #pragma once
 #include <functional>
@@ -25,18 +25,17 @@
 
 namespace viewpeel {
 
-constexpr double kEmitterSpacings = 16;  // in the root of the emitter's area
+constexpr double kEmitterSpacings = 16;  // spacings of the lattice in the root of the emitter's area
 
 struct EstimateOptions;
 
-// A PairSampler counts pairs along directions of their own. The smaller face of a pair is the emitter. Pairs of one
-// emitter and resolution share an engine, whose window is around the emitter.
+// A PairSampler counts directed pairs. The smaller face of a pair is the emitter. Pairs of one emitter and resolution
+// share an engine, whose window is around the emitter.
 class PairSampler {
  public:
-  // Makes a sampler without engines; prepare() makes those engines that pairs need.
-  //   In: scene, ids by face, without roles: both are referred to
-  //   lattice: of all engines, but for resolution, window and blocked pairs, which each pair sets
-  //   finest: the finest lattice that engines may have
+  // Makes a sampler without engines, which prepare() makes as pairs need them.
+  //   In: scene, face_ids: kept by reference; face_ids: by face, without roles; lattice: for all engines, but
+  //     resolution, window and blocked pairs depend on the pair; finest: finest resolution of an engine
   PairSampler(const Scene& scene, const Ids& face_ids, uint64_t seed, EngineFactory make_engine,
               LatticeOptions lattice = {}, int finest = kMaxWindowResolution);
 
@@ -45,11 +44,11 @@ class PairSampler {
   // direction of a line decides which of two coincident polygons comes first (Coincidences::alike_unordered).
   // Directions of a pair have no opposite ones to make up for it.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
-  // Makes the engines that are missing, for all these pairs at once, and sets the area that a count of each stands for.
+  // Makes the engines that these pairs need and that do not exist yet, and sets the area that one count stands for.
   void prepare(std::span<DirectedPair> pairs);
   // Returns the number of engines that the pairs need.
   size_t countEngines(std::span<const DirectedPair> pairs) const;
-  // Counts the pair along its own directions of one replicate.    In: pair as prepared    Throws: what engines throw.
+  // Counts a pair along its directions in one replicate.    In: pair: prepared    Throws: as its engine.
   PairCount count(const DirectedPair& pair, uint64_t replicate);
   // Counts all pairs, in their order.
   PairCounts count(std::span<const DirectedPair> pairs, uint64_t replicate);
@@ -72,25 +71,25 @@ class PairSampler {
   EngineFactory make_engine_;
   LatticeOptions lattice_;
   int finest_;
-  std::vector<std::vector<uint32_t>> polygons_;  // of faces
-  std::map<Key, DirectionRegion> regions_;       // of pairs
+  std::vector<std::vector<uint32_t>> polygons_;  // by face
+  std::map<Key, DirectionRegion> regions_;       // by pair
   std::map<Key, Part> parts_;                    // by emitter and resolution
 };
 
 // CommonPilots holds the counts of the pilots along common directions, before the run.
 struct CommonPilots {
-  // Counts of each pilot, with rows. The visibilities of either half of the pilots serve the other half.
+  // Counts of each pilot, with rows. Visibilities from one half of the pilots are used for the other half.
   const std::vector<PairCounts>& counts;
-  uint32_t directions = 0;  // of each
-  double count_area = 0;    // input units squared of one count along its direction
+  uint32_t directions = 0;  // of each pilot
+  double count_area = 0;    // area, input units squared, that one count stands for along its direction
 };
 
-// Returns the pairs that keep a run from its goal, if directions of their own bring it there sooner (docs/method.md,
-// section 8).
-//   The error that R replicates leave a pair, and the least variance of a pair that few directions hit, stand before
-//     eq. (26). Where no line counted, the part l / R is not less than an unmet pair's error (ControlVariateSums). A
-//     pair of which no polygon was seen blocked is treated alike, if there are at most 8 of them. Eq. (26) gives the
-//     number of pairs, and pilots of each pair's own give its directions M.
+// Returns the pairs that prevent a run from reaching its goal, if it gets there sooner with them as directed pairs
+// (docs/method.md, section 8).
+//   The text before eq. (26) gives the error of a pair after R replicates, and the least variance of a pair that few
+//     directions hit. Where no line counted, the error is at least that of an unmet pair (ControlVariateSums). A pair
+//     of polygons that were never seen blocked is treated alike, if there are at most 8 such pairs. Eq. (26) gives the
+//     number of pairs, and pilots of each pair give its number of directions M.
 //   In: options: goals, replicates, directions, seed
 //   Out: sorted by pair; none without a goal, and where it would save less than a fifth of the work. The choice is a
 //     function of counts and options, not of time, so parts of a run choose alike.

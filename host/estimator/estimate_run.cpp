@@ -65,7 +65,7 @@ bool EstimateRun::measure(const FormFactors& so_far) {
 void EstimateRun::measureErrors() {
   found_.reset();
   if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
-    return;  // without a goal nobody asks for the largest error
+    return;  // without a goal the largest error is not needed
   if (sums_.prior_sums) {
     // Whole rows take seconds. So the pairs of the prior are measured first: most often one of them has the largest
     // error, and shows that more replicates are needed.

@@ -1,4 +1,4 @@
-// A pair that no line met has a guess for its visibility, that of its neighbours.
+// findGuesses() names the pairs whose visibility is a guess, because no line met them.
 #pragma once
 #include <utility>
 #include <vector>

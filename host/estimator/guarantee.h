@@ -32,7 +32,7 @@ struct GuaranteeOptions {
   double epsilon = 1e-2;
   double delta = 1e-2;
   Statistic statistic = Statistic::mean;
-  Sampler sampler = Sampler::jittered;  // or iid
+  Sampler sampler = Sampler::jittered;  // jittered or iid, whose directions have a known variance
   uint64_t seed = 1;
   double range = 0;               // largest M_i that the lattices may give; 0: the plan chooses
   uint32_t block_directions = 0;  // directions of a block; 0: the plan chooses
@@ -45,8 +45,8 @@ struct GuaranteeOptions {
   std::function<void(const RunSums& sums, bool last)> on_sums;  // as for estimates; may be empty
 };
 
-// Returns the ranges M_i: double[id]. M_i is the most that one direction adds to a form factor between i and an id that
-// is no smaller.
+// Returns the ranges M_i: double[id]. M_i is the most that one direction adds to a form factor between i and an id at
+// least as large.
 //   A facing pair of polygons is counted on the finer lattice of the two. All windows of one resolution are parts of
 //     one lattice, on which a point counts once. If all polygons of j have one resolution, a polygon of i is counted
 //     against j on one lattice only, no coarser than its own. If j has several resolutions, the polygon may be counted

@@ -129,7 +129,7 @@ Estimate guaranteeFormFactors(const Scene& scene, const Ids& ids, const Guarante
     while (!run.isDone()) run.step(onBlock);
   } catch (const Interrupted&) {
     if (options.on_sums) options.on_sums(run.sums(), true);
-    Estimate estimate = run.estimateSoFar();  // it carries no guarantee
+    Estimate estimate = run.estimateSoFar();  // this estimate has no guarantee
     estimate.interrupted = true;
     return estimate;
   } catch (...) {

@@ -34,7 +34,7 @@ double LineGuarantee::linesOf(const Entry& entry, uint32_t look) const {
   return lines;
 }
 
-// Returns how many candidates a line of a part may cost. Little parts of a sum may be left open.
+// Returns how many candidates a line of a part may take. Lines of small parts of a sum may be left open sooner.
 double LineGuarantee::mostCandidates(const Entry& entry, const Part& part) const {
   const bool is_little = part.exchange * entry.part_count <= kShareOfOpen * entry.allowed;
   return is_little ? std::min(entry.most_candidates, kMostCandidates) : entry.most_candidates;
@@ -56,8 +56,8 @@ void LineGuarantee::draw(Entry& entry, uint32_t look) {
   }
 }
 
-// Sets interval, value and standard error after a look.    Out: whether the interval is as narrow as the guarantee
-// needs it
+// Sets interval, value and standard error after a look.    Out: whether the interval is narrow enough for the
+// guarantee
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   const double blockable = entry.blockable(), rounding = kRoundingError * entry.exchange;
   double facing = 0, open = 0, guess = 0, lines = 0;
@@ -71,14 +71,14 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   Interval seen{0, blockable};
   const bool is_proved = options_.delta == 0 || entry.isBounded();
   if (!is_proved) {
-    // The variables are what each line adds, over the largest of them.
+    // Chernoff's variables are the contributions of single lines, over the largest contribution.
     const double most = weightAt(entry, look) * lines;
     const MeanBounds mean = chernoffBounds(facing / most, (facing + open) / most, lines, log_entry_);
     seen = {std::min(blockable, most * mean.lower), std::min(blockable, most * mean.upper)};
   }
   entry.interval = {std::max(0.0, entry.clear + seen.lower - rounding), entry.clear + seen.upper + rounding};
   entry.value = std::clamp(entry.clear + facing + guess, entry.interval.lower, entry.interval.upper);
-  // Half a line of either kind is added, as in eq. (46).
+  // Half a facing and half a blocked line are added, as in eq. (46).
   const double share = blockable > 0 ? (facing + guess) / blockable : 0, likely = (lines * share + 0.5) / (lines + 1);
   entry.standard_error =
       entry.part_count ? blockable * std::sqrt(likely * (1 - likely) / (lines + 1) + 0.25 / ((lines + 1) * (lines + 1)))

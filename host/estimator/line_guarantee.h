@@ -1,11 +1,11 @@
-// A guarantee by lines of their own: with probability 1 - delta every form factor lies in its interval, and every form
-// factor between polygons is within epsilon.
-// line_guarantee_plan.cpp plans, line_guarantee.cpp draws, line_guarantee_result.cpp makes intervals.
+// A LineGuarantee draws pair lines until, with probability 1 - delta, every form factor lies in its interval, and every
+// form factor between polygons is within epsilon. line_guarantee_plan.cpp plans, line_guarantee.cpp draws lines, and
+// line_guarantee_result.cpp makes intervals.
 //
-// An entry of the result has the exchange area clear + share x blockable, whose share is the only unknown. Where the
-// blockable part is at most epsilon, geometry alone bounds it. Others get independent lines (uniform_lines.h).
-// How many suffice at most follows from Hoeffding's bound before the run. Chernoff's bound, looked at after set numbers
-// of lines, may end an entry sooner. Derivation: docs/method.md, section 14.
+// An entry of the result has the exchange area clear + share x blockable, and only its share is unknown. Where the
+// blockable part is at most epsilon, geometry alone bounds it. Other entries get independent lines (uniform_lines.h).
+// Hoeffding's bound gives, before the run, a number of lines that is enough. Chernoff's bound, computed at a few looks,
+// each after a set number of lines, may end an entry sooner. Derivation: docs/method.md, section 14.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -20,23 +20,23 @@
 
 namespace viewpeel {
 
-// Of unoccluded form factors (kUnoccludedRelativeError), and of the density of lines.
+// Allows for errors of unoccluded form factors (kUnoccludedRelativeError), and of the density of lines.
 constexpr double kRoundingError = 3e-6;
 
 struct LineGuaranteeOptions {
   double epsilon = 1e-2, delta = 1e-2;
-  bool rows = false;  // whether environment, too, is to be within epsilon
+  bool rows = false;  // whether each row's environment must be within epsilon, too
   By by = By::polygon;
-  // Pairs below this unoccluded form factor are not among `pairs`; it is epsilon at most, and 0 by surface. Their form
-  // factors are those of common directions, in [0, epsilon].
+  // Pairs with a smaller unoccluded form factor are not among `pairs`: at most epsilon, and 0 by surface. Their form
+  // factors come from common directions, in [0, epsilon].
   double least_form_factor = 0;
 };
 
 class LineGuarantee {
  public:
-  // Plans: which entries need lines, and how many at most. A few lines of each say what to expect.
-  //   In: pairs: as lines.find() has found them; scene, face_ids, ids and lines are referred to; ids: of the result
-  //   Throws: Error bad_usage where epsilon is below what rounding leaves.
+  // Plans which entries need lines, and how many at most. A few lines of each entry predict the expected number.
+  //   In: pairs: from lines.find(); ids: of the result; scene, face_ids, ids, lines: kept by reference
+  //   Throws: Error bad_usage where epsilon is too small beside rounding.
   //   Cost: O(pairs), and 16 lines of each of 512 entries.
   LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids& ids, PairLines& lines,
                 const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options);
@@ -45,29 +45,29 @@ class LineGuarantee {
   // Predicts the times of figures().    Cost: some 100,000 lines.
   void measureSeconds();
   uint64_t lookCount() const { return look_; }
-  // Returns the most looks that may come.
+  // Returns the largest number of looks that may be needed.
   uint64_t mostLooks() const { return most_looks_; }
   bool isDone() const { return look_ > 0 && open_.empty(); }
-  // Draws lines of all open entries up to their next look.
+  // Draws the lines of all unfinished entries up to their next look.
   void step();
 
-  // Returns the estimate, with intervals where the run is done.
-  //   In: sums: of common directions by face, for environment and leak
+  // Returns the estimate; once the run is done it has intervals.
+  //   In: sums: of common directions, by face, for environment and leak
   Estimate estimate(const RunSums& sums, double relative_floor) const;
 
  private:
-  // A form factor between two ids, or the leak of one.
+  // An Entry is a form factor between two ids, or the leak of one id.
   struct Entry {
     uint32_t i, j;
-    double exchange = 0, clear = 0;  // with nothing in between, and what nothing can block; input units squared
+    double exchange = 0, clear = 0;  // unoccluded, and the part that nothing can block; input units squared
     double allowed = 0;              // error of the exchange area that the guarantee allows
-    double weight = 0;               // of one line at most, after the last look
+    double weight = 0;               // most that one line weighs, after the last look
     uint32_t first_part = 0, part_count = 0;
-    uint32_t looks = 1;                       // at most
+    uint32_t looks = 1;                       // most looks
     Interval interval{};                      // of exchange areas
     double first_facing = 0, first_open = 0;  // exchange areas after the first look
-    double first_variance = 0;                // sum of squares of ranges of its lines
-    double most_candidates = INFINITY;        // for one line, where geometry alone bounds the entry
+    double first_variance = 0;                // sum of the squared ranges of its lines
+    double most_candidates = INFINITY;        // for one line, if geometry alone bounds the entry
     double value = 0, standard_error = 0;
 
     double blockable() const { return exchange - clear; }
@@ -76,14 +76,14 @@ class LineGuarantee {
   struct Part {
     uint32_t index;
     double exchange;     // input units squared
-    float guess = 0.5f;  // of the visibility of open lines
+    float guess = 0.5f;  // visibility of open lines, guessed
     UniformLineCount count{};
   };
 
-  // Sums over a row's entries.
+  // A Row holds sums over the entries of a row.
   struct Row {
     double lower = 0, upper = 0;              // of intervals
-    double first = 0, open = 0, squares = 0;  // after first looks
+    double first = 0, open = 0, squares = 0;  // after the first looks
     double rounding = 0;
   };
 
@@ -113,17 +113,17 @@ class LineGuarantee {
   LineGuaranteeOptions options_;
   LineGuaranteeFigures figures_;
   std::vector<Entry> entries_;          // sorted by (i, j)
-  std::vector<Part> parts_;             // of entries
-  size_t pairs_ = 0;                    // of faces
-  std::vector<uint32_t> open_;          // entries
-  double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) of one look at one entry, of one row
+  std::vector<Part> parts_;             // of faces
+  size_t pairs_ = 0;                    // number of pairs of faces
+  std::vector<uint32_t> open_;          // indices of unfinished entries
+  double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) for one look at an entry, and for a row
   uint32_t look_ = 0, most_looks_ = 1;
   Vectors vectors_ = widestVectors();
 
-  // A line of an entry that geometry bounds may cost so many candidates; beyond, its lines are left open. Such entries
-  // are small and near: slivers side by side. Where a row's sum is promised, or is the entry, each of them counts more.
+  // In an entry that geometry bounds, a line that would take more candidates is left open. These entries are small,
+  // between slivers side by side. The second limit is for entries that matter more, in a row's sum or as a row's leak.
   static constexpr double kMostCandidates = 100, kMostCandidatesOfSums = 10'000;
-  static constexpr double kShareOfOpen = 0.01;  // of what a sum may err: parts that may be left open sooner, in all
+  static constexpr double kShareOfOpen = 0.01;  // share of a sum's allowed error that such parts may take together
 };
 
 }  // namespace viewpeel

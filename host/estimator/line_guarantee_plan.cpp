@@ -1,4 +1,4 @@
-// Plans a guarantee by pair lines: which entries need lines, how many at most, and how many are expected.
+// This file plans a guarantee by pair lines: which entries need lines, how many at most, and how many are expected.
 #include "estimator/line_guarantee.h"
 
 #include <algorithm>
@@ -15,20 +15,20 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kMostEntryLooks = 5;      // at an entry's bound; each has twice the lines of the one before
-constexpr double kFewestLines = 16;          // of an entry
-constexpr double kLeastRoundingShare = 0.5;  // of epsilon that rounding has to leave
-constexpr double kShareOfLines = 0.98;    // of what an entry may err; the rest is for lines that rounding leaves open
-constexpr double kShareOfRowLines = 0.9;  // the same of a row, with parts that cost too many candidates
-constexpr double kFirstLook = 1.2;        // of the lines after which an entry without facing lines is done
-constexpr double kRowShare = 0.5;         // of delta, where rows have bounds
-constexpr uint64_t kPilotSeries = 1000;   // looks have those below
-constexpr size_t kPilots = 512;           // entries
+constexpr uint32_t kMostEntryLooks = 5;      // most looks at an entry; each has twice the lines of the last
+constexpr double kFewestLines = 16;          // least lines of an entry
+constexpr double kLeastRoundingShare = 0.5;  // least part of epsilon that rounding must leave
+constexpr double kShareOfLines = 0.98;       // part of an entry's error; the rest is for open lines
+constexpr double kShareOfRowLines = 0.9;     // part of a row's error; the rest is for open parts, too
+constexpr double kFirstLook = 1.2;           // over the lines that end an entry of which no line is facing
+constexpr double kRowShare = 0.5;            // part of delta for rows, if rows have bounds
+constexpr uint64_t kPilotSeries = 1000;      // series of pilots; looks have smaller numbers
+constexpr size_t kPilots = 512;              // entries with a pilot
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
 
-// Returns the largest weight c of a line for which Hoeffding's bound is `allowed`, where parts of g = blockable in all
-// have ceil(g_k / c) lines: c^2 (g / c + parts) l / 2 <= allowed^2.
+// Returns the largest weight c of a line for which Hoeffding's bound is `allowed`. Parts whose g_k add up to blockable
+// have ceil(g_k / c) lines: c^2 (blockable / c + parts) l / 2 <= allowed^2.
 double hoeffdingWeight(double blockable, double parts, double allowed, double l) {
   return (std::sqrt(blockable * blockable + 8 * parts * allowed * allowed / l) - blockable) / (2 * parts);
 }
@@ -39,14 +39,14 @@ LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids&
                              const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options)
     : scene_(scene), face_ids_(face_ids), ids_(ids), lines_(lines), options_(options) {
   const auto begun = Clock::now();
-  options_.rows &= options_.delta > 0;  // no number of lines proves a row's sum for certain
+  options_.rows &= options_.delta > 0;  // with delta 0, lines prove nothing about a row's sum
   collectEntries(pairs);
   planLooks();
   if (options_.rows) planRows();
   predict();
   open_.resize(entries_.size());
   std::iota(open_.begin(), open_.end(), 0u);
-  // The entries with most lines first, so that no thread is left with one of them at the end.
+  // Entries with most lines come first, so that no thread ends with one of these alone.
   std::ranges::stable_sort(open_, std::ranges::greater{},
                            [&](uint32_t k) { return linesOf(entries_[k], entries_[k].looks - 1); });
   const double e = options_.epsilon, d = options_.delta, bounds = double(std::max<size_t>(entries_.size(), 1));
@@ -84,7 +84,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
       throw Error(ErrorCode::bad_usage,
                   fmt::format("--epsilon {} is below what rounding leaves of a guarantee; ask for {:.0e} or more",
                               options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
-    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // a part of the row's sum, like environment
+    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // a part of the row's sum, as environment is
   }
 }
 
@@ -101,7 +101,7 @@ void LineGuarantee::planLooks() {
     if (entry.part_count == 0) continue;
     entry.weight = blockable / kFewestLines;
     if (entry.j == kLeak && !options_.rows) {
-      // So many lines that its standard error is epsilon at most.
+      // Its number of lines makes its standard error at most epsilon.
       const double allowed = options_.epsilon * ids_.areas[entry.i];
       entry.weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
@@ -117,7 +117,7 @@ void LineGuarantee::planLooks() {
   }
 }
 
-// Lines of the first look bound a row's sum: so many that the bound is epsilon.
+// Gives first looks so many lines that the bound on each row's sum is epsilon.
 void LineGuarantee::planRows() {
   std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0),
       entry_counts(ids_.count(), 0);
@@ -145,7 +145,7 @@ void LineGuarantee::planRows() {
   }
 }
 
-// Returns the lines after which an entry is expected to be done, from the share of its lines that face each other.
+// Returns the expected lines of an entry.    In: share: of its lines that nothing blocks
 double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
@@ -167,9 +167,9 @@ UniformLineCount LineGuarantee::drawPilot(const Entry& entry) const {
   return sum;
 }
 
-// Predicts the lines and the cost of all entries from a pilot, which draws lines of some. The chance that the pilot
-// takes an entry is proportional to the most lines that the entry may need. An entry of the pilot counts as one over
-// its chance, so that sums have no bias.
+// Predicts the lines and the cost of all entries from pilots of some entries. The probability that an entry gets a
+// pilot is proportional to the most lines that it may need. A pilot counts as one over this probability, so that sums
+// have no bias.
 void LineGuarantee::predict() {
   std::vector<uint32_t> uncertain;
   double most_uncertain = 0;
@@ -189,11 +189,11 @@ void LineGuarantee::predict() {
     most_looks_ = std::max(most_looks_, entry.looks);
     if (most > figures_.most_for_one)
       figures_.most_for_one = most, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
-    // An estimate draws the least number of lines of an entry as well.
+    // An estimate would draw this least number of lines, too.
     if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
-  // The pilot takes entries at even distances along the running sum of their most lines.
+  // Pilots are for entries at equal distances along the running sum of most lines.
   std::vector<std::pair<uint32_t, double>> pilots;  // entry and weight
   const double step = most_uncertain / double(kPilots);
   double sum = 0;
@@ -214,7 +214,7 @@ void LineGuarantee::predict() {
   figures_.cost = cost.ofPromise(), figures_.estimate_cost = cost.ofEstimate();
 }
 
-// Predicts times from lines of the entries that have most of them.
+// Measures the time of a line in entries with many lines, and predicts the run's times.
 void LineGuarantee::measureSeconds() {
   const auto begun = Clock::now();
   double lines = 0;

@@ -1,4 +1,4 @@
-// Makes form factors and intervals of a guarantee's lines: bounds of rows, and what rows leave to their entries.
+// This file makes form factors and intervals of a guarantee's lines, with bounds on rows.
 #include "estimator/line_guarantee.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
   return rows;
 }
 
-// Refuses rows of which too much is left open after the first look, as their bound can no longer be kept.
+// Refuses rows in which too much is left open after the first look: their bound cannot be kept any more.
 void LineGuarantee::requireRows() const {
   const std::vector<Row> rows = sumRows();
   for (uint32_t id = 0; id < ids_.count(); ++id) {
@@ -44,14 +44,14 @@ void LineGuarantee::requireRows() const {
   }
 }
 
-// Adds what each row's first lines say together, and what the row's other entries leave.
+// Finds intervals. A row's first lines together bound its environment, and so do the intervals of its entries.
 std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
   const std::vector<Row> rows = sumRows();
   const auto leftBy = [&](uint32_t id) {
     const Row& row = rows[id];
     const double area = ids_.areas[id];
     Interval left{std::max(0.0, area - row.upper), std::max(0.0, area - row.lower)};
-    if (options_.least_form_factor > 0) left.lower = 0;  // pairs that are left out may take the rest
+    if (options_.least_form_factor > 0) left.lower = 0;  // pairs left out may take all of the rest
     if (options_.delta == 0 || options_.least_form_factor > 0) return left;
     const double bound = std::sqrt(log_row_ * row.squares / 2) + row.rounding;
     left.lower = std::max(left.lower, std::min(left.upper, area - row.first - row.open - bound));
@@ -66,7 +66,7 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
       continue;
     }
     while (at != entries_.end() && keyOf(*at) < keyOf(wanted)) ++at;
-    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // only common directions have counted it
+    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // only common directions have counted this entry
       const double most = wanted.j == kLeak ? INFINITY : options_.epsilon * ids_.smallerArea(wanted.i, wanted.j);
       intervals.push_back({0, std::min(most, leftBy(wanted.i).upper)});
       continue;
@@ -82,7 +82,7 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
   return intervals;
 }
 
-// Adds the environment of rows that look as if they saw none: their intervals say how much it may be.
+// Adds an environment to rows in which no line left the scene, where other rows have one: its interval bounds it.
 FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
   std::vector<char> has_environment(ids_.count(), false);
   bool is_open = false;
@@ -102,7 +102,7 @@ FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
   return {ids, std::move(entries), std::move(row_sums)};
 }
 
-// Returns entries of pairs that are not among those of lines: common directions have counted them.
+// Returns entries of pairs without lines, which common directions have counted.
 std::vector<FormFactors::Entry> LineGuarantee::countedEntries(const RunSums& sums) const {
   std::vector<FormFactors::Entry> found;
   auto at = entries_.begin();
@@ -120,7 +120,7 @@ std::vector<FormFactors::Entry> LineGuarantee::countedEntries(const RunSums& sum
 Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) const {
   std::vector<FormFactors::Entry> entries;
   Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
-  // Without lines all is certain, intervals of the environment too.
+  // A guarantee without lines holds for certain, and includes the environment.
   const bool needs_lines = figures_.drawn || (ids_.counts_environment && !parts_.empty());
   Guarantee guarantee{options_.epsilon, needs_lines ? options_.delta : 0, 0, GuaranteedBy::chernoff};
   for (const Entry& entry : entries_) {
@@ -159,7 +159,7 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
   std::vector<Measured> row_sums = all.rowSums();
   const Ids ids = all.ids();
   std::vector<FormFactors::Entry> found = std::move(all).entries();
-  // The environment's value is what values leave, and its interval follows from other sums.
+  // The environment's value is 1 less the row's other values; its interval follows from other sums.
   for (size_t k = 0; k < found.size(); ++k) {
     double& value = found[k].exchange_area.value;
     value = std::clamp(value, intervals[k].lower, intervals[k].upper);

@@ -11,13 +11,13 @@
 namespace viewpeel {
 namespace {
 
-// Returns how many standard errors make up the goal of an entry in this column.
+// Returns how many standard errors an entry in this column must keep below the goal.
 double errorsInGoal(uint32_t column) { return column < kEnvironment ? kErrorsInGoal : kErrorsInRowGoal; }
 
-// Returns the error that a goal allows an exchange area, input units squared.
+// Returns the error that a goal allows for an exchange area, input units squared.
 double allowedBy(const EstimateOptions& options, double exchange, double smaller_area) {
   double allowed = options.tolerance ? *options.tolerance * smaller_area : INFINITY;
-  // No visibility is known before the run. An error relative to the form factor is taken for half the unoccluded one.
+  // No visibility is known before the run, so a relative error refers to half of the unoccluded form factor.
   if (options.relative && exchange >= options.relative_floor * smaller_area)
     allowed = std::min(allowed, *options.relative * exchange / 2);
   return allowed;
@@ -25,9 +25,9 @@ double allowedBy(const EstimateOptions& options, double exchange, double smaller
 
 using Key = std::pair<uint32_t, uint32_t>;
 
-constexpr double kSpare = 1.2;       // of lines, beside those that an error asks for
-constexpr double kMostGrowth = 16;   // of a pair's lines by one replicate
-constexpr double kMostTimes = 1000;  // the planned lines: LineCount's units hold so much
+constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
+constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
+constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
                         const EstimateOptions& options) {
@@ -40,8 +40,8 @@ RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<Lin
 
 std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
                                 const EstimateOptions& options, double most_lines) {
-  // An entry between surfaces, and a row's leak, is a sum over many pairs with independent errors. Parts of the
-  // variance as in eq. (48) of docs/method.md take the fewest lines.
+  // A Sum is an entry between surfaces, or a row's leak: a sum over many pairs with independent errors. Parts of the
+  // variance as in eq. (48) of docs/method.md need the fewest lines.
   struct Sum {
     double exchange = 0, parts = 0;
   };
@@ -65,7 +65,7 @@ std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, c
   double all = 0;
   for (const LinePair& pair : pairs) all += pair.linesIn(options.replicates);
   if (!(all > most_lines)) return pairs;
-  // The number of lines falls as the error to the power of -8/5.
+  // The number of lines is proportional to the error to the power of -8/5.
   const double relief = std::pow(all / most_lines, 5.0 / 8);
   lines.plan(
       pairs, [&](const LinePair& pair) { return relief * allowedTo(pair); }, options.replicates);
@@ -87,13 +87,13 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
   }
 }
 
-// Returns the variance that each entry of a row may have so that the row's environment reaches the goal; infinite where
-// it has. A row's environment is 1 less its pairs, so all of them have a part in its error. The least lines do it where
-// the largest variances are cut to one size.
+// Returns the variance that each entry of a row may have for the row's environment to reach its goal; infinite where it
+// has reached it. A row's environment is 1 less its pairs, so their variances add up. The fewest lines are needed where
+// the largest variances are all reduced to the same size.
 std::vector<double> LineRun::findRowVariances(const FormFactors& all) const {
   const Ids& ids = all.ids();
   std::vector<double> sums(ids.count()), most(ids.count(), INFINITY);
-  // Lines of pairs make the leak no better where common directions count it.
+  // If common directions count the leak, lines of pairs cannot improve it.
   const bool has_leak = sums_.lines->hasBacks();
   const auto forEachPart = [&](const auto& add) {
     for (const FormFactors::Entry& entry : all.entries())
@@ -108,7 +108,7 @@ std::vector<double> LineRun::findRowVariances(const FormFactors& all) const {
     const double excess = excessOf({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(sums[entry.i])}}, ids);
     if (!(excess > 1)) continue;
     parts[entry.i];
-    sums[entry.i] /= excess * excess;  // what it may be
+    sums[entry.i] /= excess * excess;  // variance that the row may have
   }
   if (parts.empty()) return most;
   forEachPart([&](uint32_t id, double variance) {
@@ -144,7 +144,7 @@ void LineRun::measureErrors() {
   planFurther(wanting);
 }
 
-// Plans the lines of the next replicate: those that bring wanting entries to the goal.
+// Plans further lines for the next replicate, for entries above the goal.
 void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
   further_.assign(wanting.empty() ? 0 : pairs.size(), 0);
@@ -154,7 +154,7 @@ void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
     const Key key = entryOf(pairs[k], sums_.lines->ids(), options_.by);
     const auto at = std::ranges::lower_bound(wanting, key, {}, &std::pair<Key, double>::first);
     if (at == wanting.end() || at->first != key) continue;
-    // The number of lines falls as the error to the power of -8/5. Few lines know their own error badly.
+    // The number of lines is proportional to the error to the power of -8/5. From few lines the error itself is rough.
     const double lines = std::min(kSpare * std::pow(at->second, 8.0 / 5), kMostGrowth) - 1,
                  times = lines * double(sums_.lines->sums()[k].blocks) / pairs[k].blocks;
     further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));
@@ -163,7 +163,7 @@ void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
   if (is_reached_) further_.clear();
 }
 
-// Returns an entry's error over the error that the goals allow it.
+// Returns an entry's error over the error that the goals allow.
 double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
                error = errorsInGoal(entry.j) * entry.exchange_area.standard_error;
@@ -182,7 +182,7 @@ bool LineRun::isDone() const {
   return done >= options_.replicates && (options_.is_exact || further_.empty());
 }
 
-// Returns the lines of the next replicate.
+// Returns the number of further lines in the next replicate.
 double LineRun::furtherLines() const {
   double lines = 0;
   for (size_t k = 0; k < further_.size(); ++k) lines += 16.0 * further_[k] * sums_.lines->pairs()[k].blocks;
@@ -195,7 +195,7 @@ void LineRun::step() {
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
-  // Only lines that leave the scene or leak are kept.
+  // Only counts of environment and leak are kept.
   std::erase_if(common, [](const PairCount& count) { return count.j < kEnvironment; });
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);

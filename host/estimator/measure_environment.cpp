@@ -1,7 +1,7 @@
-// Measures the environment above and below a horizon by the host engine.
+// measureEnvironment() measures the environment above and below a horizon by the host engine.
 //
-// Every direction is turned so that it points above the horizon. Then a line that leaves the scene forwards ends in the
-// part above, and one that leaves it backwards in the part below; the engine counts the two apart.
+// Every direction is turned to point above the horizon. A line that leaves the scene forwards then goes to the part
+// above, and a line that leaves it backwards to the part below. The engine counts both separately.
 #include <viewpeel/environment.h>
 
 #include <algorithm>
@@ -36,7 +36,7 @@ int chooseResolution(const Scene& scene) {
   return static_cast<int>(std::clamp(2 * kSpacingsPerSide / std::sqrt(*middle), kLeastResolution, kFinestResolution));
 }
 
-// Counts of one replicate, by row.
+// Counts hold the counts of one replicate, by row.
 struct Counts {
   std::vector<double> up, down;
 };
@@ -48,7 +48,7 @@ class Measurement {
     if (!(glm::length(request.up) > 0))
       throw Error(ErrorCode::bad_usage, "the direction up has no length; give one like 0,0,1");
     if (!(request.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
-    ids_.roles.assign(scene.polygons.size(), kEmits);  // nothing receives, so that no pair counts
+    ids_.roles.assign(scene.polygons.size(), kEmits);  // no polygon receives, so no pair counts
     LatticeOptions options;
     options.resolution = chooseResolution(scene);
     options.sampling = chooseSampling(scene, ids_, false);

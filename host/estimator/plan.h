@@ -11,7 +11,7 @@ namespace viewpeel {
 // A Plan holds directions, lattices, and the time and error expected of the run.
 struct Plan {
   uint32_t directions = 0;         // per replicate
-  int finest = 0;                  // resolution of the finest lattice: what the neediest polygon gets, at least
+  int finest = 0;                  // resolution of the finest lattice, for the polygon that needs it most
   std::vector<SizeGroup> groups;   // a single group: all polygons share one lattice
   std::unique_ptr<Engine> engine;  // for these groups
   double seconds = 0;              // predicted time to count all replicates of the request
@@ -29,7 +29,7 @@ struct Plan {
 struct Lattices {
   EngineFactory make_engine;
   LatticeOptions lattice;  // options of every engine; the plan sets resolution and window
-  int resolution = 0;      // 0: to be planned
+  int resolution = 0;      // 0: the plan chooses it
   bool may_group = false;  // whether small polygons may have lattices of their own
   // Where unoccluded form factors are used (find_prior.h), engines count by these ids, and count blocked pairs, too.
   // With nullptr engines count by the ids of the plan. The ids must outlive the plan.
@@ -64,10 +64,9 @@ Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& opt
 
 // Groups polygons by the lattice that each needs.
 //   In: base: the resolution of the whole scene's lattice
-//   finest: the resolution of the neediest polygon. Every other polygon gets a resolution 2 / h ~ (P / A^2)^(1/3),
-//   which
-//     makes the lattice variance of its id no larger.
-//   directions: the directions of a replicate. Eight replicates are to give every id 100 lattice points, or 100
+//     finest: the resolution of the polygon that needs the finest lattice. Every other polygon gets a resolution 2 / h
+//     ~ (P / A^2)^(1/3), which makes the lattice variance of its id no larger.
+//     directions: the directions of a replicate. Eight replicates are to give every id 100 lattice points, or 100
 //     scanlines.
 //   Cost: O(n log n).
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest,

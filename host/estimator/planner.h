@@ -14,7 +14,7 @@
 namespace viewpeel {
 
 constexpr int kFirstResolution = 64;      // of the first pilot
-constexpr uint32_t kPilotReplicates = 8;  // of a pilot
+constexpr uint32_t kPilotReplicates = 8;  // replicates of a pilot
 constexpr double kMostPilotSeconds = 30;  // of each pilot
 
 // A Shape describes the lattices of a plan. The groups have the resolutions base x 4^m, up to `finest`, which the
@@ -121,7 +121,7 @@ class Planner {
   const EstimateOptions& options_;
   const Lattices& lattices_;
   std::vector<double> ratios_;                // perimetersPerAreaSquared
-  std::vector<double> areas_;                 // of ids, unit-ball units squared
+  std::vector<double> areas_;                 // by id, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // area of all ids, and of the largest face, in the same units
   // These are the ranks of ids by place, where form factors are visibilities times unoccluded form factors. Pairs of
   // few lines take visibility from their neighbours in rank (neighbour_visibility.h).

@@ -9,14 +9,14 @@
 namespace viewpeel {
 namespace {
 
-// Measured, in seconds of one thread.
-constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // of two faces that may see each other, and where they do
+// These costs were measured, in seconds of one thread.
+constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // to test two faces, and for two that may see each other
 constexpr double kEstimateLine = 30e-9, kEstimatePart = 4e-6;
 constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6;
-constexpr double kFewLines = 16;  // of a part's first pilot, and in all its replicates
+constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
 
-// Returns the lines that an estimate draws of a part, pilots included (PairLines::plan).
-//   In: share: of its lines that nothing blocks; goal: standard error of that
+// Returns the lines that an estimate draws for a part, pilots included (PairLines::plan).
+//   In: share: of its lines that nothing blocks; goal: standard error of this share
 double estimatedLines(double share, double goal) {
   if (goal >= kCertainError) return kFewLines;
   // Eq. (47) with N / 16 blocks: 2 b (1 - b) N^-1.25.

@@ -1,29 +1,29 @@
-// A promise is compared with an estimate of the same largest error by what they cost, before either draws its lines.
+// A PromiseCost predicts the costs of a promise and of an estimate with the same largest error, before lines are drawn.
 //
-// Costs follow from numbers of lines, so that the same request of the same scene gets the same answer on any machine.
-// Both find the same pairs first.
+// Costs follow from numbers of lines alone, so that the same request has the same answer on any machine. Finding pairs
+// costs both the same.
 #pragma once
 #include <span>
 
 namespace viewpeel {
 
-// A promise may cost so many times as much as an estimate and is still preferred to it.
+// A promise is preferred up to this multiple of the cost of an estimate.
 constexpr double kPromiseWorth = 2;
 
-// EntryLines are the lines of an entry, by a promise.
+// EntryLines are the lines of an entry in a promise.
 struct EntryLines {
-  std::span<const double> exchanges;  // of its parts that something may block, with nothing in between
-  double smaller_area;                // of its ids; the same unit
-  bool is_pair;                       // whether it is between two ids; else leak
-  double share;                       // of its lines that nothing blocks, about
-  double lines, candidates;           // expected
+  std::span<const double> exchanges;  // unoccluded, of its parts that something may block
+  double smaller_area;                // of its ids, in the same unit
+  bool is_pair;                       // whether it is between two ids, or else leak
+  double share;                       // estimated share of its lines that nothing blocks
+  double lines, candidates;           // expected numbers
 };
 
 class PromiseCost {
  public:
-  //   In: faces, pairs: how many there are, and how many pairs of them were found
+  //   In: faces: number of faces; pairs: number of pairs that were found
   PromiseCost(double tolerance, size_t faces, size_t pairs);
-  // Adds an entry.    In: weight: so many entries like it are meant    Cost: O(parts).
+  // Adds an entry.    In: weight: number of entries that it stands for    Cost: O(parts).
   void add(const EntryLines& entry, double weight);
   // Return costs in seconds of one thread: of the promise, and of the estimate.
   //   Error: a factor of two; measured in docs/speed.md. Tests: tests/unit/promise_test.cpp.
