@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// How long a page of 20,000 polygons and 3.9 million form factors takes to load, and how many frames a second it turns.
+// Measures how long a page of 20,000 polygons and 3.9 million form factors takes to load, and its frames a second.
 //   bench/page.mjs [BUILD] [ROUNDS]      BUILD: a build with viewpeel_large_page, build/release by default
 // Prints a line a round: seconds from the call to a page that can be used, and CPU seconds of all of Chromium's
 // processes meanwhile, frames a second over two seconds, CPU milliseconds a frame, the pixels across, and the machine's load. Chromium is Debian's,

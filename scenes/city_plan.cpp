@@ -12,12 +12,12 @@
 namespace viewpeel::bench::city_plan {
 namespace {
 
-// Lengths are metres.
-constexpr double kPitch = 36, kJitter = 5;         // of the nodes between streets
-constexpr double kWallColumn = 8, kWallRow = 6.5;  // at most, between corners along and up a wall
+// All lengths are in metres.
+constexpr double kPitch = 36, kJitter = 5;         // distance of the nodes between streets, and their random shift
+constexpr double kWallColumn = 8, kWallRow = 6.5;  // most between corners along a wall, and up a wall
 constexpr double kLeastHeight = 3, kMostHeight = 80;
 
-// Neighbouring walls have the same corners: a side is cut alike from either end.
+// Returns a side with its points. A side is divided alike from either end, so that neighbouring walls share corners.
 Side makeSide(glm::dvec2 a, glm::dvec2 b) {
   const auto columns = static_cast<uint32_t>(std::ceil(glm::distance(a, b) / kWallColumn));
   Side side{a};
@@ -37,7 +37,7 @@ PlanPolygon outlineOf(const Sides& sides) {
   return outline;
 }
 
-// Returns heights from one to another, both included, no farther apart than rows of a wall may be.
+// Returns heights from `low` to `high`, both included, with at most the distance of two rows of a wall.
 std::vector<double> makeLevels(double low, double high) {
   const auto rows = static_cast<uint32_t>(std::ceil((high - low) / kWallRow));
   std::vector<double> levels;
@@ -95,7 +95,7 @@ Building makeSingle(const PlanPolygon& footprint, double low, double height, boo
   return {outlineOf(sides), {makePart(raise(sides, levels), sides, levels.back(), tent, random)}};
 }
 
-// Makes two parts with a common wall, of which the second is the higher one.
+// Makes a building of two parts with a common wall; the second part is higher.
 Building makePair(const PlanPolygon& quad, double low, double height, double more, SceneRandom& random) {
   const double a = random.uniform(0.35, 0.65), b = random.uniform(0.35, 0.65);
   const glm::dvec2 m = rounded(quad[0] + a * (quad[1] - quad[0])), n = rounded(quad[3] + b * (quad[2] - quad[3]));

@@ -27,7 +27,7 @@ inline void addRoom(InputScene& scene, const std::string& name, glm::dvec3 low, 
 struct CoincidentScene {
   std::string name;
   bool is_closed;
-  // Only the gap decides what this scene means, so that a gap of 0 is in doubt and a negative gap means something else.
+  // Only the gap decides the meaning of this scene: a gap of 0 is in doubt, and a negative gap has the other meaning.
   bool needs_gap;
   std::function<InputScene(double gap)> make;
 };
@@ -51,7 +51,7 @@ inline std::vector<CoincidentScene> coincidentScenes() {
          return s;
        }},
       {"three rooms in a row", true, false,
-       [=](double gap) {  // the middle room's walls are decided by rays that pass walls decided before
+       [=](double gap) {  // rays decide the walls of the middle room, through walls that are decided before
          InputScene s = named("row");
          for (int k = 0; k < 3; ++k)
            addRoom(s, std::string("room") + "abc" [k], { k + gap / 2, 0, 0 }, {k + 1 - gap / 2, 1, 1});

@@ -20,8 +20,8 @@ uint32_t addSurface(InputScene& scene, const std::string& name) {
   return static_cast<uint32_t>(scene.surface_names.size() - 1);
 }
 
-// Adds a parallelogram from `origin` cut into rows x columns quads; a x b points along the front. Corners are computed
-// alike on both sides of a cut.
+// Adds a parallelogram from `origin`, cut into rows x columns quads; a x b points along the front. Corners on a cut are
+// the same on both sides.
 void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b, uint32_t columns,
              uint32_t rows) {
   const auto corner = [&](uint32_t x, uint32_t y) {
@@ -32,7 +32,7 @@ void addGrid(InputScene& scene, uint32_t surface, glm::dvec3 origin, glm::dvec3 
       scene.faces.push_back({{corner(x, y), corner(x + 1, y), corner(x + 1, y + 1), corner(x, y + 1)}, surface, 0});
 }
 
-// Adds the sides of a box in cuts x cuts quads each. The surfaces take them in turn: six, or one for all.
+// Adds the sides of a box, each in cuts x cuts quads. There are six surfaces, one a side, or one for all.
 void addCutBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3 low, glm::dvec3 high, bool inward,
                uint32_t cuts) {
   const auto sides = test_scenes::sidesOfBox(low, high, inward);
@@ -43,7 +43,7 @@ void addCutBox(InputScene& scene, std::span<const uint32_t> surfaces, glm::dvec3
 constexpr uint32_t kTriangleSurfaces = 100;
 
 constexpr double kBay = 3, kFloor = 3, kSill = 1.2;  // metres; a window reaches from the sill to the next floor
-constexpr uint32_t kBays = 7, kStreetTiles = 3;      // of a building's side; across a street
+constexpr uint32_t kBays = 7, kStreetTiles = 3;      // bays along a side of a building; bays across a street
 constexpr double kBuilding = kBays * kBay, kStreet = kStreetTiles * kBay, kPitch = kBuilding + kStreet;
 
 uint32_t floorsOf(Random& random) {
@@ -59,7 +59,7 @@ uint32_t quadsOf(uint32_t floors) {
 void addBuilding(InputScene& scene, uint32_t streets, uint32_t number, glm::dvec3 at, uint32_t floors) {
   const uint32_t walls = addSurface(scene, fmt::format("building_{}", number));
   const uint32_t windows = addSurface(scene, fmt::format("building_{}_windows", number));
-  // Multiples of the bay from the city's own corner, so that neighbouring tiles share their corners exactly.
+  // Corners are multiples of the bay from the city's corner, so neighbouring tiles share them exactly.
   const auto addQuad = [&](uint32_t surface, glm::dvec3 p, glm::dvec3 q, glm::dvec3 up) {
     scene.faces.push_back({{p, q, q + up, p + up}, surface, 0});
   };
@@ -92,7 +92,7 @@ InputScene roomWithBoxes(uint32_t refine) {
     walls.push_back(addSurface(scene, name));
   addCutBox(scene, walls, {0, 0, 0}, {6, 5, 3}, true, 8 * refine);
   Random random(1);
-  for (uint32_t k = 0; k < 10; ++k) {  // one in each of 4 x 3 cells but two
+  for (uint32_t k = 0; k < 10; ++k) {  // one box in each of 4 x 3 cells but two
     const uint32_t column = k % 4, row = k / 4;
     const double x = 1.5 * column, y = 5 / 3.0 * row;
     const glm::dvec3 low(x + random.uniform(0.1, 0.4), y + random.uniform(0.1, 0.4), kGap);
@@ -106,8 +106,8 @@ InputScene roomWithBoxes(uint32_t refine) {
 InputScene randomTriangles(uint32_t n) {
   InputScene scene{fmt::format("{} random triangles", n), {}, {}};
   Random random(2);
-  // A line meets n x area x chord / (2 volume) of them on average: 60 on the diameter at n = 100,000. Corners lie on a
-  // sphere of radius r about the centre, which makes a mean area of pi/5 r^2.
+  // A line meets n x area x chord / (2 volume) triangles on average: 60 on the diameter at n = 100,000. Corners lie on
+  // a sphere of radius r about the centre, so the mean area is pi/5 r^2.
   constexpr double kMeanArea = std::numbers::pi / 5, kDepth = 60;
   const double volume = 4 / 3.0 * std::numbers::pi;
   const double r = std::sqrt(kDepth * volume / (1e5 * kMeanArea)) * std::cbrt(1e5 / n);
@@ -125,7 +125,7 @@ InputScene randomTriangles(uint32_t n) {
 InputScene city(uint32_t n) {
   InputScene scene{fmt::format("city of about {} quads", n), {}, {}};
   Random random(3);
-  constexpr double kMeanQuads = 566;  // of a building with its share of the streets
+  constexpr double kMeanQuads = 566;  // quads of a building with its share of the streets
   const auto side = static_cast<uint32_t>(std::max(1.0, std::round(std::sqrt(n / kMeanQuads))));
   const uint32_t streets = addSurface(scene, "streets");
   scene.faces.reserve(n + 3000);

@@ -21,19 +21,19 @@ InputScene randomTriangles(uint32_t n);
 // ends where a building stands; nothing crosses.
 InputScene city(uint32_t n);
 
-// Makes areas from 1 to 1e-8 above a floor. For every edge of 1, 0.1, ... 1e-4 two squares face each other at the
-// distance of their edge (surfaces near_k_down, near_k_up, F = 0.19982). Two more do so at ten times this distance
+// Makes squares of areas from 1 to 1e-8 above a floor. For every edge length 1, 0.1, ... 1e-4 two squares face each
+// other at this distance (surfaces near_k_down, near_k_up, F = 0.19982). Two more do so at ten times the distance
 // (far_k_down, far_k_up, F = 0.0031620).
 InputScene spreadOfSizes();
 
 // Makes two unit squares that face each other at distance 1, each cut into cuts x cuts.
 InputScene twoPlates(uint32_t cuts);
 
-// Makes the inside of a unit cube, one surface of cuts x cuts squares a face.
+// Makes the inside of a unit cube as one surface; each of its sides has cuts x cuts squares.
 InputScene cubeOfPatches(uint32_t cuts);
 
-// Makes every polygon of a scene a face of its own, cut into refine x refine: quadrilaterals along lines between
-// opposite sides, triangles into like ones.
+// Cuts every polygon of a scene into refine x refine faces: quadrilaterals along lines between opposite sides,
+// triangles into similar ones.
 InputScene refined(const Scene& scene, uint32_t refine);
 
 }  // namespace viewpeel::bench

@@ -1,4 +1,4 @@
-// Makes scenes for heat whose form factors have closed forms, though something blocks their pairs.
+// These scenes for heat have form factors in closed form, even though something blocks their pairs.
 #pragma once
 #include <vector>
 
@@ -9,8 +9,8 @@
 
 namespace viewpeel::test_scenes {
 
-// Returns two unit squares in cuts x cuts parts each that face each other at distance 1, with a sheet of two faces
-// between them, off their middle. Rows by polygon: parts of `low` and `high` in turn, `sheet_down`, `sheet_up`.
+// Returns two unit squares at distance 1, each in cuts x cuts parts, with a sheet of two faces between them, off their
+// middle. Rows by polygon: parts of `low` and `high` in turn, then `sheet_down`, `sheet_up`.
 inline InputScene squaresPastASheet(uint32_t cuts) {
   InputScene scene = squaresInParts(cuts, 1.0 / cuts, 1);
   const Corners up = squaresPastABlocker().faces[2].corners;
@@ -19,20 +19,20 @@ inline InputScene squaresPastASheet(uint32_t cuts) {
   return scene;
 }
 
-// Returns the form factors by polygon of squaresPastASheet: of each pair of parts past the sheet, of parts and the
-// sheet, and the environment, which is the rest.
+// Returns the form factors of squaresPastASheet by polygon. Each pair of parts sees past the sheet; parts also see the
+// sheet and the environment, which has the rest.
 //   Error: 1e-7 each (kPastBlockerError), standard errors 0.
 inline FormFactors exactPastASheet(const InputScene& scene, Ids ids) {
   const size_t parts = scene.faces.size() - 2;
   const auto& down = scene.faces[parts].corners;
-  // Far away, it blocks nothing.
+  // a sheet far away, which blocks nothing
   const Corners nothing{{90, 90, 90}, {91, 90, 90}, {90, 91, 90}};
   std::vector<FormFactors::Entry> entries;
   std::vector<double> rest = ids.areas;
   const auto add = [&](size_t i, size_t j, const Corners& blocker) {
     const double factor =
         reference::formFactorPastBlocker(scene.faces[i].corners, scene.faces[j].corners, blocker).value;
-    if (factor < 1e-12) return;  // rounding
+    if (factor < 1e-12) return;  // such values are rounding
     const double exchange = ids.areas[i] * factor;
     entries.push_back({uint32_t(i), uint32_t(j), {exchange, 0}});
     rest[i] -= exchange, rest[j] -= exchange;

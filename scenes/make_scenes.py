@@ -8,7 +8,7 @@ from pathlib import Path
 
 
 class Scene:
-    """Named faces with shared vertices, written as Wavefront OBJ."""
+    """A scene of named faces with shared vertices, written as Wavefront OBJ."""
 
     def __init__(self):
         self.index = {}
@@ -30,15 +30,15 @@ class Scene:
 
 
 def turned(points, centre, angle_deg):
-    """Points turned about the vertical through `centre`."""
+    """Returns points turned about the vertical through `centre`."""
     c, s = math.cos(math.radians(angle_deg)), math.sin(math.radians(angle_deg))
     return [(centre[0] + c * (x - centre[0]) - s * (y - centre[1]), centre[1] + s * (x - centre[0]) + c * (y - centre[1]), z)
             for x, y, z in points]
 
 
 def add_patches(scene, name_of, fixed_axis, at, a_lines, b_lines, flip):
-    """Patches of the plane where coordinate `fixed_axis` is `at`; a and b are the next two axes, the front faces +fixed_axis
-    unless `flip`. name_of(a, b) names the patch at that centre; None leaves it out."""
+    """Adds patches of the plane where coordinate `fixed_axis` is `at`. a and b are the next two axes, and the front faces
+    +fixed_axis unless `flip`. name_of(a, b) names the patch with this centre; None leaves it out."""
     a_axis, b_axis = (fixed_axis + 1) % 3, (fixed_axis + 2) % 3
     for a0, a1 in zip(a_lines, a_lines[1:]):
         for b0, b1 in zip(b_lines, b_lines[1:]):
@@ -54,7 +54,7 @@ def add_patches(scene, name_of, fixed_axis, at, a_lines, b_lines, flip):
 
 
 def add_box(scene, name, low, high, angle_deg=0, inward=False, names=None):
-    """A closed box, turned about its own vertical axis."""
+    """Adds a closed box, turned about its vertical axis."""
     centre = ((low[0] + high[0]) / 2, (low[1] + high[1]) / 2)
     box = Scene()
     for axis in range(3):
@@ -71,7 +71,7 @@ def add_box(scene, name, low, high, angle_deg=0, inward=False, names=None):
 
 
 def add_prism(scene, name, centre, radius, low, high, sides):
-    """A closed upright prism with a regular base."""
+    """Adds a closed upright prism with a regular base."""
     ring = [(centre[0] + radius * math.cos(2 * math.pi * k / sides), centre[1] + radius * math.sin(2 * math.pi * k / sides))
             for k in range(sides)]
     scene.add(name, [(x, y, high) for x, y in ring])
@@ -81,7 +81,7 @@ def add_prism(scene, name, centre, radius, low, high, sides):
 
 
 def make_office():
-    """A closed room, 6 x 4 x 2.8 m. What stands on the floor stands on 1 cm glides, so that no solids touch."""
+    """Returns a closed room, 6 x 4 x 2.8 m. Furniture stands on glides of 1 cm, so that no solids touch."""
     scene = Scene()
     x_lines = [k / 2 for k in range(13)]
     y_lines = [k / 2 for k in range(9)]
@@ -105,14 +105,14 @@ def make_office():
     add_patches(scene, west, 0, 0.0, y_lines, z_lines, False)
     add_patches(scene, lambda *_: "wall_east", 0, 6.0, y_lines, z_lines, True)
 
-    # Desk below the second window: a top in four parts of its own grid would be one solid; it is one board and four legs, 2 mm apart.
+    # The desk below the second window is a board and four legs, 2 mm apart, so that no solids touch.
     add_box(scene, "desk", (3.4, 2.7, 0.72), (5.2, 3.5, 0.75))
     for x in (3.45, 5.09):
         for y in (2.75, 3.39):
             add_box(scene, "desk", (x, y, 0.01), (x + 0.06, y + 0.06, 0.718))
     add_box(scene, "monitor", (4.0, 3.2, 0.76), (4.6, 3.24, 1.12), 8)
 
-    # Shelves along the east wall: two sides, a back, five boards, boxes on the boards.
+    # Shelves stand along the east wall: two sides, a back, five boards, and boxes on the boards.
     add_box(scene, "shelves", (5.6, 0.30, 0.01), (5.98, 0.33, 1.90))
     add_box(scene, "shelves", (5.6, 1.67, 0.01), (5.98, 1.70, 1.90))
     add_box(scene, "shelves", (5.955, 0.335, 0.01), (5.98, 1.665, 1.90))
@@ -129,7 +129,7 @@ def make_office():
     add_prism(scene, "lamp", (3.0, 2.0), 0.30, 2.45, 2.70, 8)
     add_box(scene, "person", (2.0, 1.2, 0.01), (2.5, 1.5, 1.75), 33)
 
-    # Chair, turned as a whole.
+    # The chair is turned as a whole.
     chair = Scene()
     add_box(chair, "chair", (4.1, 1.9, 0.45), (4.55, 2.35, 0.49))
     add_box(chair, "chair", (4.1, 1.9, 0.50), (4.55, 1.94, 0.95))
@@ -143,7 +143,7 @@ def make_office():
 
 
 def make_street():
-    """A street between two rows of buildings under open sky. The ground leaves out what the buildings stand on."""
+    """Returns a street between two rows of buildings under open sky. There is no ground below the buildings."""
     scene = Scene()
     y_lines = [4 * k for k in range(16)]
     in_building = lambda y: y % 16 < 12

@@ -1,4 +1,4 @@
-// Makes named scenes for tests, as a file would give them.
+// These functions make named scenes for tests, as a reader would make them of a file.
 #pragma once
 #include <algorithm>
 #include <array>
@@ -21,7 +21,7 @@ inline void addFace(InputScene& scene, const std::string& surface, const Corners
   scene.faces.push_back({corners, static_cast<uint32_t>(scene.surface_names.size() - 1), 0});
 }
 
-// Returns a parallelogram from `origin`, counter-clockwise a then b.
+// Returns a parallelogram from `origin` with sides a and b, counter-clockwise.
 inline Corners parallelogram(glm::dvec3 origin, glm::dvec3 a, glm::dvec3 b) {
   return {origin, origin + a, origin + a + b, origin + b};
 }
@@ -47,7 +47,7 @@ inline std::array<BoxSide, 6> sidesOfBox(glm::dvec3 low, glm::dvec3 high, bool i
   return sides;
 }
 
-// Adds the sides of a box, all of one surface or each of one of its own: "namex0", "namex1", and so on.
+// Adds the sides of a box, all in one surface, or each in a surface "namex0", "namex1", and so on.
 inline void addBox(InputScene& scene, const std::string& surface, glm::dvec3 low, glm::dvec3 high, bool inward,
                    bool face_names = false) {
   const std::array<BoxSide, 6> sides = sidesOfBox(low, high, inward);
@@ -64,8 +64,8 @@ inline InputScene parallelSquares() {
   return scene;
 }
 
-// Returns two squares in cuts x cuts parts each, of the edge given, that face each other at `height`: a part of the
-// lower one, then the part above it.
+// Returns two squares with edges of length `edge` that face each other at `height`, each in cuts x cuts parts. Faces
+// alternate: a part of the lower square, then the part above it.
 inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   InputScene scene{"two squares in parts", {"low", "high"}, {}};
   for (uint32_t k = 0; k < cuts * cuts; ++k) {
@@ -77,8 +77,8 @@ inline InputScene squaresInParts(uint32_t cuts, double edge, double height) {
   return scene;
 }
 
-// Returns two squares far apart that see each other past the edge of a third polygon: one direction in 200 or so meets
-// the two.
+// Returns two squares far apart that see each other past the edge of a third polygon. About one direction in 200 meets
+// both.
 inline InputScene squaresPastAnEdge(double edge = 0.4) {
   InputScene scene{"squares past an edge", {}, {}};
   addFace(scene, "lower", {{0, 0, 0}, {0.5, 0, 0}, {0.5, 0.5, 0}, {0, 0.5, 0}});
@@ -145,8 +145,8 @@ inline InputScene roomWithTouchingBoxes() {
   return scene;
 }
 
-// Returns triangles of random size and direction in a ball; fronts at random. They may cross: for tests that compare
-// two engines.
+// Returns triangles of random size and direction in a ball, with random fronts. They may cross, so the scene is for
+// tests that compare two engines.
 inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
   std::mt19937_64 random(seed);
@@ -159,7 +159,7 @@ inline InputScene triangleSoup(int count, double size, uint64_t seed) {
   return scene;
 }
 
-// Returns every face turned, scaled and moved: x -> scale R x + offset.
+// Returns a scene with every face turned, scaled and moved: x -> scale R x + offset.
 inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, double scale, glm::dvec3 offset) {
   scene.file += ", moved";
   for (InputFace& face : scene.faces)
@@ -167,7 +167,7 @@ inline InputScene transformed(InputScene scene, const glm::dmat3& rotation, doub
   return scene;
 }
 
-// Along the axes and diagonals polygons are edge-on, depths tie and lattice points fall on edges.
+// Returns directions along axes and diagonals: polygons are edge-on, depths tie, and lattice points fall on edges.
 inline std::vector<Direction> alongAxesAndEdges() {
   std::vector<Direction> directions;
   for (int axis = 0; axis < 3; ++axis)

@@ -88,7 +88,7 @@ PlanPolygon roundCorners(const PlanPolygon& polygon, uint32_t sides, double leng
     const glm::dvec2 in = glm::normalize(polygon[k] - before(polygon, k)),
                      out = glm::normalize(after(polygon, k) - polygon[k]);
     const double turn_rad = std::atan2(cross(in, out), glm::dot(in, out)), half_rad = turn_rad / (2 * sides);
-    const double radius = length / (2 * std::sin(half_rad));  // of the arc whose chords the sides are
+    const double radius = length / (2 * std::sin(half_rad));  // of the arc; the new sides are its chords
     const glm::dvec2 centre = polygon[k] - radius * std::tan(turn_rad / 2) * in + radius * glm::dvec2(-in.y, in.x);
     for (uint32_t s = 0; s <= sides; ++s) {
       const double angle_rad = 2 * half_rad * s;

@@ -13,10 +13,10 @@ using PlanPolygon = std::vector<glm::dvec2>;
 
 double areaOf(const PlanPolygon& polygon);  // positive where corners run counter-clockwise
 bool contains(const PlanPolygon& polygon, glm::dvec2 point);
-double distanceTo(const PlanPolygon& polygon, glm::dvec2 point);  // of a point to the outline
-glm::dvec2 meanOf(const PlanPolygon& polygon);                    // of its corners
+double distanceTo(const PlanPolygon& polygon, glm::dvec2 point);  // distance of a point from the outline
+glm::dvec2 meanOf(const PlanPolygon& polygon);                    // mean of the corners
 
-// Returns the polygon whose sides lie `distance` further in.    In: convex, its inscribed circle larger than `distance`
+// Returns the polygon with every side moved inwards by `distance`.    In: convex, with a larger inscribed circle
 PlanPolygon inset(const PlanPolygon& polygon, double distance);
 
 // Returns a rectangle about a centre, turned.

@@ -1,5 +1,5 @@
-// A SceneRandom draws the random numbers of generated scenes. It uses an engine of the standard library, which is the
-// same on every platform, but none of its distributions, which are not.
+// A SceneRandom draws the random numbers of generated scenes. It uses an engine of the standard library, which gives
+// the same numbers on every platform, but none of the library's distributions, which do not.
 #pragma once
 #include <cmath>
 #include <cstdint>

@@ -23,7 +23,8 @@ namespace ts = test_scenes;
 
 using Random = SceneRandom;
 
-// Returns a convex polygon within a ball: corners at random angles of a circle, pressed to 1 / aspect of its width.
+// Returns a convex polygon within a ball: its corners are at random angles of a circle that is compressed to 1 /
+// aspect.
 ts::Corners polygonIn(glm::dvec3 centre, double radius, uint32_t corner_count, double aspect, Random& random) {
   const glm::dmat3 frame = random.rotation();
   std::vector<double> angles_rad;
@@ -172,13 +173,13 @@ void Tally::add(const Tally& other) {
 
 Tally judge(const Device& device, Kind kind, uint64_t seed, bool shrunk) {
   constexpr int kResolution = 48;
-  constexpr uint32_t kLattices = 32, kDrawn = 3;  // the graphics engine draws a few only
+  constexpr uint32_t kLattices = 32, kDrawn = 3;  // the graphics engine draws only a few of the lattices
   const Scene scene = buildScene(makeScene(kind, seed));
   const Ids ids = makeIds(scene, By::polygon, false);
   Random random(~seed);
   const std::vector<glm::dvec3> directions = hardDirections(scene, random);
   const auto compute = makeComputeEngine(device, scene, ids, {.resolution = kResolution});
-  // It refuses three coincident polygons and more.
+  // The graphics engine refuses three or more coincident polygons.
   const bool is_drawable = std::ranges::all_of(scene.polygons, [](const Polygon& polygon) {
     return polygon.tie_rank == kContactRank || polygon.tie_rank == kSheetRank;
   });

@@ -17,7 +17,7 @@ using Triangulation =
                                                CGAL::No_constraint_intersection_tag>;
 constexpr uint32_t kUnknown = ~0u;
 
-// Faces inside an odd number of loops are the region's.
+// Marks the faces inside an odd number of loops, which form the region.
 void markFaces(Triangulation& triangulation) {
   for (auto face : triangulation.all_face_handles()) face->info() = kUnknown;
   std::vector<Triangulation::Face_handle> reached{triangulation.infinite_face()};

@@ -25,7 +25,7 @@ class Triangles {
 
   void beginSurface(const std::string& name) { scene.surface_names.push_back(name); }
 
-  // Adds a level region: inside the first loop, outside the others.
+  // Adds a level region inside the first loop and outside the others.
   void addLevel(double height, const std::vector<PlanPolygon>& loops, double most_area, bool facing_up = true) {
     PlanPolygon points;
     std::vector<std::vector<uint32_t>> indices;
@@ -141,7 +141,7 @@ TriangulatedCity build(const CityPlan& plan, size_t tree_count) {
 }  // namespace
 
 TriangulatedCity triangulatedCity(uint32_t n, uint64_t seed) {
-  constexpr double kTrianglesPerTree = 31;  // a crown with its trunk, a hedge now and then, and holes around them
+  constexpr double kTrianglesPerTree = 31;  // a crown with its trunk, sometimes a hedge, and the holes around them
   SceneRandom random(seed);
   CityPlan plan;
   layOut(plan, std::max(4u, static_cast<uint32_t>(0.85 * n / kTrianglesPerCell)), random);

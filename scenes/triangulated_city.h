@@ -1,4 +1,4 @@
-// triangulatedCity() makes city models like those of urban climate.
+// triangulatedCity() makes city models like the ones that urban climate research uses.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -21,16 +21,16 @@ struct TriangulatedCity {
   std::vector<double> heights;  // of buildings, above their pavement
 };
 
-constexpr double kKerbHeight = 0.12;  // at least, metres
+constexpr double kKerbHeight = 0.12;  // least height, metres
 constexpr double kMostCityArea = 70;  // of a triangle that is not ground, square metres
 constexpr double kLeastCityArea = 5e-3;
 
-// Makes about n triangles, within 2 %: streets between plots of irregular shape, each behind a kerb with rounded
-// corners; buildings with convex, L-shaped and turned footprints, some under one wall with a higher neighbour, 3 to
-// 80 m high, under flat roofs with boxes on them or tents; trees as boxes on trunks, hedges. Every coordinate is a
-// number of single precision, so that walls in pieces are not quite plane. Walls, roofs and pavements are constrained
-// Delaunay triangles of 0.005 to 70 m2; streets are one constrained triangulation without further points. Triangles
-// meet edge to edge, every edge in two of them but for the rim's: no line leaks.
+// Makes about n triangles, to 2 %. Between streets lie plots of irregular shape, each behind a kerb with rounded
+// corners. Buildings have convex, L-shaped and turned footprints, are 3 to 80 m high, and may share a wall with a
+// higher neighbour. Roofs are flat with boxes on them, or tents. Trees are boxes on trunks; there are hedges.
+// Coordinates are rounded to single precision, so walls in pieces are not quite plane. Walls, roofs and pavements are
+// constrained Delaunay triangles of 0.005 to 70 m2; streets are one constrained triangulation without further points.
+// Every edge but the rim's belongs to two triangles, so no line leaks.
 //   In: n: 1,000 or more; seed: every seed makes another city    Out: the same scene on every machine, except for the
 //     last bit of sines
 //   Throws: Error check where trees to make up n find no place.    Cost: O(n) memory, some milliseconds

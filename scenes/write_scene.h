@@ -1,4 +1,4 @@
-// Writes generated scenes as files.
+// These functions write generated scenes to files.
 #pragma once
 #include <string>
 

@@ -44,8 +44,8 @@ double fitExponent(std::span<const Point> points) {
 
 void printExponents(const std::string& what, const std::vector<Point>& points) {
   if (points.size() < 2) return;
-  // Sizes only approximate the sizes in the options, and grow in steps. So the exponent over the last decade starts
-  // from the last size that is smaller than the largest by a factor of 8 or more.
+  // Sizes only approximate the sizes in the options, and grow in steps. So the exponent over the last decade begins at
+  // the last size that is at least 8 times smaller than the largest.
   auto decade = points.end() - 1;
   while (decade != points.begin() && decade->x * 8 > points.back().x) --decade;
   const std::span<const Point> last(decade, points.end());

@@ -1,4 +1,4 @@
-// Writes a generated scene: make_scene room|triangles|city|triangulated_city|sizes N FILE.ply|FILE.stl
+// This program writes a generated scene: make_scene room|triangles|city|triangulated_city|sizes N FILE.ply|FILE.stl
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 

@@ -23,7 +23,7 @@ constexpr float kAwayFromPolygon = 1e-5f;  // distance of a ray's start from its
 constexpr uint32_t kCosineCount = 4096;
 constexpr uint64_t kMostDenseBytes = 16u << 20;  // the limit of the host engine
 
-struct Random {  // splitmix64, far cheaper than a ray
+struct Random {  // splitmix64 takes far less time than a ray
   uint64_t state;
   uint64_t next() {
     uint64_t z = state += 0x9E3779B97F4A7C15ull;

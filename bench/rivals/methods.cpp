@@ -113,7 +113,7 @@ class Viewpeel {
     return throughTheFrontDoor([](double amount) { return Goal(Tolerance{amount}); }, pair_lines);
   }
 
-  // Returns such a runner without a plan. Amounts are directions of a replicate.
+  // Returns a runner in the same way, without a plan. Amounts are directions of a replicate.
   Runner fixed() const {
     return throughTheFrontDoor([](double amount) { return Goal(FixedAmount{static_cast<uint32_t>(amount)}); }, {});
   }

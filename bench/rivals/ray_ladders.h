@@ -13,7 +13,7 @@ namespace viewpeel::bench {
 // Makes the ladders of ray shooting and of the double area integral, with random and Sobol' points, on all cores.
 void addRayLadders(const Scene& scene, std::vector<Ladder>& ladders);
 
-// RayRival is one of these methods for verifyRivals().
+// A RayRival is one of these methods, for verifyRivals().
 struct RayRival {
   std::string name;
   double work = 0;  // number of rays or samples at which the error is well above rounding

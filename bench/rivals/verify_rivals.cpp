@@ -42,7 +42,7 @@ Spread spreadOf(const Rival& rival, double work, double area, double truth) {
   return {mean, std::sqrt((squares / kSeeds - mean * mean) / (kSeeds - 1)), std::sqrt(squares / kSeeds)};
 }
 
-//   In: bias: bound on the mean error of the rival's method at the larger work
+//   In: bias: bound on the mean error of the method at the larger work
 void verify(const std::string& scene, const std::string& name, const Rival& rival, double work, double area,
             double truth, double bias) {
   const Spread few = spreadOf(rival, work, area, truth), more = spreadOf(rival, work * kMoreWork, area, truth);

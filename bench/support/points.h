@@ -17,7 +17,7 @@ constexpr uint32_t kDimensions = 4;
 
 constexpr uint64_t kSplitMixStep = 0x9E3779B97F4A7C15ull;
 
-struct SplitMix {  // splitmix64, far cheaper than a ray
+struct SplitMix {  // splitmix64 takes far less time than a ray
   uint64_t state;
   uint64_t next() {
     uint64_t z = state += kSplitMixStep;

@@ -1,4 +1,4 @@
-"""The configurations of docs/validation.md: shapes, from which one to which, and the closed form."""
+"""These are the configurations of docs/validation.md: shapes, source and target, and the closed form."""
 import math
 from dataclasses import dataclass
 
@@ -15,8 +15,8 @@ class Case:
     source_shape: str  # from
     target: str  # to
     value: float
-    levels: tuple = ()  # pieces around an axis; none for flat shapes, which are what they are
-    file: str = ""  # a scene that is there, in place of the shapes, which stand for two of its surfaces then
+    levels: tuple = ()  # pieces around an axis; none for flat shapes, which need no pieces
+    file: str = ""  # an existing scene that is computed instead; the shapes are then two of its surfaces
 
 
 def rectangle(x, y, z, up):
@@ -163,7 +163,7 @@ def wall(x, z, y, towards):
 
 
 def samples():
-    """pairs of View3D's sample files that nothing stands between; the shapes stand where the file has them"""
+    """Yields pairs of View3D's sample files with nothing between them; the shapes are where the file has them."""
     unit = lambda x, y, z, up: rectangle((x, x + 1), (y, y + 1), z, up)
     box345, windows = "tests/files/view3d_cases/box345.vs3", "tests/files/view3d_cases/wdwdoor.vs3"
     for a, b, first, second, value in (

@@ -1,4 +1,4 @@
-"""Compares every closed form with an integral that knows none of them.
+"""Compares every closed form with a numerical integral that uses none of them.
 
 Rays: points uniform over the emitting shape, directions by the cosine law, both of scrambled Sobol' points; the form
 factor is the share of rays whose first hit among the true shapes is the target. Replicates give a standard error.
@@ -12,11 +12,11 @@ from scipy.stats import qmc, t as student
 
 REPLICATES, LOG2_RAYS = 16, (13, 15, 17)
 FALSE_ALARM = 1e-6  # of one comparison
-WRONG = 1.05  # a form times this number has to be found wrong
+WRONG = 1.05  # negative control: a form times this number must be found wrong
 
 
 def by_rays(case, log2_rays, seed=1):
-    """(estimate, standard error)"""
+    """Returns (estimate, standard error)."""
     shares = []
     source = case.shapes
     emitters = [name for name in source if name == case.source_shape or name.startswith(case.source_shape + ".")]
@@ -51,7 +51,7 @@ def by_rays(case, log2_rays, seed=1):
 
 
 def lambert(points, normal, corners):
-    """form factors from points to a polygon in front of them"""
+    """Returns form factors from points to a polygon in front of them."""
     total = np.zeros(len(points))
     spokes = [corner - points for corner in corners]
     for a, b in zip(spokes, spokes[1:] + spokes[:1]):
@@ -80,23 +80,23 @@ def is_flat_pair(case):
 
 
 def integral_of(case):
-    """(integral, how far a form may be from it)"""
+    """Returns (integral, how far a closed form may be from it)."""
     if is_flat_pair(case):
         integral = by_lambert(case, 6)
-        # The coarser rule's distance is its own error, larger than the finer one's; forms round to 1e-12.
+        # The distance of the coarser rule is about its error, which is larger than the finer rule's. Forms round to 1e-12.
         return integral, abs(integral - by_lambert(case, 4)) + 1e-11
     for log2_rays in LOG2_RAYS:
         integral, error = by_rays(case, log2_rays)
-        # Where every ray agrees the replicates say nothing of the error: a ray of all at least.
+        # Where all rays agree, replicates have no spread: the error is then at least one ray of all.
         error = max(error, 1 / (REPLICATES * 2**log2_rays))
         allowed = student.ppf(1 - FALSE_ALARM / 2, REPLICATES - 1) * error
-        if allowed < (WRONG - 1) / 1.5 * integral:  # what is wrong can be told from what is right
+        if allowed < (WRONG - 1) / 1.5 * integral:  # exact enough to find a form times WRONG wrong
             break
     return integral, allowed
 
 
 def check_forms(cases):
-    """Returns (case, what is wrong) of the forms that are wrong. Each form times WRONG has to be found wrong, too."""
+    """Returns (case, fault) for each wrong form. Negative control: each form times WRONG must be found wrong, too."""
     complaints = []
     for case in cases:
         integral, allowed = integral_of(case)

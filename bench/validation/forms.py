@@ -1,13 +1,13 @@
-"""Closed forms of form factors, each with its source. Numbers C-n are of J. R. Howell, A Catalog of Radiation Heat
-Transfer Configuration Factors. bench/validate --forms compares every one with an integral that knows none of them."""
+"""These are closed forms of form factors, each with its source. Numbers C-n are from J. R. Howell, A Catalog of Radiation Heat
+Transfer Configuration Factors. bench/validate --forms compares each with a numerical integral that uses none of them."""
 from math import acos, asin, atan, cos, hypot, log, pi, sin, sqrt
 
 from scipy.integrate import quad
 
 
 def parallel_rectangles(x, y, xi, eta, z):
-    """C-13, J. R. Ehlert and T. F. Smith, J. Thermophysics and Heat Transfer 7(1), 1993: from x times y at height 0 to
-    xi times eta at height z"""
+    """Returns F from x times y at height 0 to xi times eta at height z: C-13, J. R. Ehlert and T. F. Smith, J.
+    Thermophysics and Heat Transfer 7(1), 1993."""
 
     def term(p, q):
         a, b = hypot(p, z), hypot(q, z)
@@ -18,14 +18,14 @@ def parallel_rectangles(x, y, xi, eta, z):
 
 
 def equal_rectangles(a, b, c):
-    """C-11: opposite rectangles a times b at distance c"""
+    """Returns F between opposite rectangles a times b at distance c: C-11."""
     x, y = a / c, b / c
     return (2 / (pi * x * y) * (log(sqrt((1 + x * x) * (1 + y * y) / (1 + x * x + y * y)))
             + x * sqrt(1 + y * y) * atan(x / sqrt(1 + y * y)) + y * sqrt(1 + x * x) * atan(y / sqrt(1 + x * x)) - x * atan(x) - y * atan(y)))  # fmt: skip
 
 
 def perpendicular_rectangles(height, length, width):
-    """C-14: from width times length to height times length, which share the edge of that length"""
+    """Returns F from width times length to height times length, with a common edge of this length: C-14."""
     h, w = height / length, width / length
     r = sqrt(h * h + w * w)
     return (w * atan(1 / w) + h * atan(1 / h) - r * atan(1 / r) + log(
@@ -35,7 +35,7 @@ def perpendicular_rectangles(height, length, width):
 
 
 def perpendicular_apart(x, y, eta, zeta):
-    """Ehlert and Smith as above: from x times y in the plane z = 0 to eta times zeta in the plane x = 0"""
+    """Returns F from x times y in the plane z = 0 to eta times zeta in the plane x = 0: Ehlert and Smith as above."""
 
     def term(square, q):
         root = sqrt(square)
@@ -46,10 +46,10 @@ def perpendicular_apart(x, y, eta, zeta):
 
 
 def wedge(from_width, to_width, length, angle):
-    """From a rectangle to another with a common edge, any angle (C-16, of which one integral is left, too). Here E. M.
-    Sparrow's contour integral (1963), 1 / (2 pi A) sum of the integrals of ln r along both
-    contours; edges across the common one are at right angles to those along it and add nothing, so that two double
-    integrals are left, whose inner ones are elementary."""
+    """Returns F from a rectangle to another with a common edge, at any angle. C-16 leaves one integral; so does E. M.
+    Sparrow's contour integral (1963), 1 / (2 pi A) times the sum of integrals of ln r along both contours, used here.
+    Edges across the common edge are at right angles to edges along it and add nothing. Two double integrals are left,
+    and the inner one of each is elementary."""
 
     def along(p, q):
         # Both edges along the common one, distance d apart: the integral of ln r over length x length.
@@ -79,19 +79,19 @@ def wedge(from_width, to_width, length, angle):
 
 
 def coaxial_discs(first, second, distance):
-    """C-41: from the disc of radius `first`"""
+    """Returns F from the disc of radius `first`: C-41."""
     s, x = second / first, 1 + (second**2 + distance**2) / first**2
     return 2 * s * s / (x + sqrt(x * x - 4 * s * s))
 
 
 def annulus_to_disc(inner, outer, disc, distance):
-    """By the algebra of C-41: from the annulus to a coaxial disc"""
+    """Returns F from the annulus to a coaxial disc, by sums and differences of C-41."""
     flow = outer**2 * coaxial_discs(outer, disc, distance) - (inner**2 * coaxial_discs(inner, disc, distance) if inner else 0)
     return flow / (outer**2 - inner**2)
 
 
 def annuli(inner, outer, to_inner, to_outer, distance):
-    """By the algebra of C-41"""
+    """Returns F between annuli, by sums and differences of C-41."""
     return annulus_to_disc(inner, outer, to_outer, distance) - annulus_to_disc(inner, outer, to_inner, distance)
 
 
@@ -108,21 +108,21 @@ def cylinder_base_to_side(radius, height):
 
 
 def cylinder_rings(radius, first, second, gap):
-    """Inside: from a ring of the side to another one at a gap, by the algebra of C-41"""
+    """Returns F inside a cylinder from a ring of the side to another at a gap, by sums and differences of C-41."""
     ends = lambda h: pi * radius**2 * (coaxial_discs(radius, radius, h) if h > 0 else 1)
     flow = ends(gap) - ends(gap + first) - ends(gap + second) + ends(gap + first + second)
     return flow / (2 * pi * radius * first)
 
 
 def outer_to_inner_cylinder(inner, outer, height):
-    """Howell's catalogue: cylinders of one height, seen through the space between them"""
+    """Returns F from the outer to the inner of two cylinders of one height: Howell's catalogue."""
     r, h = outer / inner, height / inner
     a, b = h * h + r * r - 1, h * h - r * r + 1
     return (1 - (acos(b / a) - (sqrt((a + 2) ** 2 - 4 * r * r) * acos(b / (r * a)) + b * asin(1 / r) - pi * a / 2) / (2 * h)) / pi) / r
 
 
 def outer_cylinder_to_itself(inner, outer, height):
-    """Howell's catalogue: the outer side to itself, past the inner one"""
+    """Returns F from the outer cylinder to itself, past the inner one: Howell's catalogue."""
     r, h = outer / inner, height / inner
     root = sqrt(4 * r * r + h * h)
     return 1 - 1 / r + 2 / (pi * r) * atan(2 * sqrt(r * r - 1) / h) - h / (2 * pi * r) * (
@@ -131,35 +131,35 @@ def outer_cylinder_to_itself(inner, outer, height):
 
 
 def inner_cylinder_to_end(inner, outer, height):
-    """From the inner side to one annular end: the sides' complement, halved"""
+    """Returns F from the inner side to one annular end: half of what the outer side leaves of 1."""
     return (1 - outer / inner * outer_to_inner_cylinder(inner, outer, height)) / 2
 
 
 def outer_cylinder_to_end(inner, outer, height):
-    """From the outer side to one annular end"""
+    """Returns F from the outer side to one annular end."""
     return (1 - outer_to_inner_cylinder(inner, outer, height) - outer_cylinder_to_itself(inner, outer, height)) / 2
 
 
 def end_to_end(inner, outer, height):
-    """Between the annular ends, by closure and reciprocity"""
+    """Returns F between the annular ends, by closure and reciprocity."""
     area, side = pi * (outer**2 - inner**2), 2 * pi * height
     return 1 - side * (inner * inner_cylinder_to_end(inner, outer, height) + outer * outer_cylinder_to_end(inner, outer, height)) / area
 
 
 def sphere_to_disc(disc, distance):
-    """A sphere to a coaxial disc: the solid angle of the disc at its centre, over 4 pi"""
+    """Returns F from a sphere to a coaxial disc: the solid angle of the disc at the sphere's centre, over 4 pi."""
     return (1 - 1 / sqrt(1 + (disc / distance) ** 2)) / 2
 
 
 def sphere_to_corner(a, b, distance):
-    """A sphere to a rectangle a times b whose corner is nearest to its centre: its solid angle over 4 pi"""
+    """Returns F from a sphere to a rectangle a times b, whose corner is nearest to the centre: solid angle over 4 pi."""
     return atan(a * b / (distance * sqrt(a * a + b * b + distance**2))) / (4 * pi)
 
 
 def square_midway(blocker):
-    """Two unit squares at distance 1, and a parallel square of that side midway. Lines between the two with a difference
-    d of their places have their middle in an interval of 1 - |d| in each coordinate, of which the blocker takes as much
-    as it covers: one double integral of a smooth kernel, with kinks where 1 - |d| is the blocker's side."""
+    """Returns F between unit squares at distance 1 with a parallel square of this side midway. Take lines whose two ends
+    differ by d. In each coordinate their middles fill an interval of length 1 - |d|, and the blocker stops the part it
+    covers. So one double integral of a smooth kernel is left, with kinks where 1 - |d| is the blocker's side."""
     rule = []
 
     def weight(d):

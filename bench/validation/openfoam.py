@@ -15,7 +15,7 @@ PAIRS = {("west", "east"): forms.equal_rectangles(2, 3, 1), ("south", "north"): 
 
 
 def lists_of(file):
-    """the lists of numbers of an OpenFOAM file of a list of lists"""
+    """Reads the lists of numbers in an OpenFOAM file that is a list of lists."""
     text = re.sub(r"/\*.*?\*/|//[^\n]*|FoamFile\s*\{.*?\}", "", file.read_text(), flags=re.S)
     lists = []
     for count, repeated, listed in re.findall(r"(\d+)\s*(?:\{([^{}]*)\}|\(([^()]*)\))", text):
@@ -24,7 +24,7 @@ def lists_of(file):
 
 
 def run(folder, cells, program):
-    """(pair, closed form, viewpeel's error, viewFactorsGen's, its coarse faces, its CPU s) of six pairs of walls"""
+    """Returns (pair, closed form, errors of viewpeel and viewFactorsGen, its coarse faces, its CPU s) for six pairs of walls."""
     shutil.copytree(ROOT / "tests/files/openfoam_room", folder)
     for name, old, new in (("system/blockMeshDict", r"\(2 2 2\)", f"({cells} {cells} {cells})"), ("constant/viewFactorsDict", r"nFacesInCoarsestLevel 2", "nFacesInCoarsestLevel 100000")):
         text, count = re.subn(old, new, (folder / name).read_text())
@@ -40,7 +40,7 @@ def run(folder, cells, program):
     per_wall = len(factors) // len(WALLS)
     wall = lambda row: WALLS[int(row) // per_wall]
     output = folder / "walls.csv"
-    # The scene is the room itself: the case's fine faces, of which walls are surfaces, would be coarse faces again.
+    # The scene is the room as an .obj: an OpenFOAM case would be read with its coarse faces as surfaces, not the walls.
     scene = folder / "room.obj"
     corners = [(x, y, z) for z in (0, 3) for y in (0, 2) for x in (0, 1)]
     faces = {"west": (1, 3, 7, 5), "east": (2, 6, 8, 4), "south": (1, 5, 6, 2), "north": (3, 4, 8, 7), "floor": (1, 2, 4, 3), "ceiling": (5, 7, 8, 6)}

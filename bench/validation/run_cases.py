@@ -1,4 +1,4 @@
-"""Runs viewpeel on a configuration, and judges what it says."""
+"""Runs viewpeel on a configuration, and judges its errors."""
 import csv
 import json
 import math
@@ -17,15 +17,15 @@ ROUNDING = 1e-9  # of corners written with 17 digits, and of closed forms
 @dataclass
 class Answer:
     value: float
-    stated: float  # standard error, or half of an interval
-    allowed: float  # what the error may be
+    stated: float  # standard error, or half the interval
+    allowed: float  # largest error
     lower: float
     upper: float
     cpu_s: float
 
 
 def write_obj(shapes, names, pieces, file):
-    """names: the surface of each shape"""
+    """Writes the shapes as a scene.    In: names: the surface of each shape"""
     corners = 0
     with open(file, "w") as out:
         for shape in sorted(shapes, key=names.get):
@@ -46,12 +46,12 @@ def row_of(file, source, target):
 
 
 def name_of(shape, case):
-    """the surface of a shape: the word before its dot; a face that the case asks for alone is one of its own"""
+    """Returns a shape's surface: the word before the dot, unless the shape is the case's source or target."""
     return shape.replace(".", "_") if shape in (case.source_shape, case.target) else shape.split(".")[0]
 
 
 class Program:
-    """viewpeel, with a goal such as ["--tolerance", "1e-3"]. Configurations that share their shapes share a run."""
+    """Runs viewpeel with a goal such as ["--tolerance", "1e-3"]. Configurations with the same shapes share a run."""
 
     def __init__(self, file, goal, folder):
         self.file, self.goal, self.folder = file, goal, folder

@@ -1,4 +1,4 @@
-"""Shapes of the validation: each has faces for viewpeel, and points and ray hits for the check of its closed forms.
+"""These shapes of the validation have faces for viewpeel, and points and ray hits for the check of closed forms.
 
 mesh(n): faces as lists of corners, counter-clockwise seen from the side that radiates; n pieces around an axis.
 sample(u, v): points and normals uniform over the true surface, for u, v in (0, 1).
@@ -17,7 +17,7 @@ def area_vector(corners):
 
 
 def towards(corners, normal):
-    """the corners in the order whose normal is nearer to the given one"""
+    """Returns the corners in the order whose normal is nearer to the given one."""
     return corners if np.dot(area_vector(corners), normal) > 0 else corners[::-1]
 
 
@@ -51,7 +51,7 @@ class Parallelogram:
 
 
 class Disc:
-    """An annulus about the z axis, or a disc; up: +1 or -1, where it radiates to."""
+    """An annulus about the z axis, or a disc; up: +1 or -1, the side that radiates."""
 
     is_flat = False
 
@@ -81,7 +81,7 @@ class Disc:
 
 
 class Sphere:
-    """A zone of a sphere about a point of the z axis, between two polar angles; out: +1 or -1, where it radiates to."""
+    """A zone of a sphere about a point of the z axis, between two polar angles; out: +1 or -1, the side that radiates."""
 
     is_flat = False
 
@@ -129,7 +129,7 @@ class Sphere:
 
 
 class Cone:
-    """The side of a cylinder, a cone or its frustum about the z axis; out: +1 or -1, where it radiates to."""
+    """The side of a cylinder, a cone or its frustum about the z axis; out: +1 or -1, the side that radiates."""
 
     is_flat = False
 
@@ -174,7 +174,7 @@ class Cone:
 
 
 def box(low, high, out):
-    """the six faces of a box, as x0, x1, y0, y1, z0, z1; out: +1 or -1, where they radiate to"""
+    """Returns the six faces of a box: x0, x1, y0, y1, z0, z1; out: +1 or -1, the side that radiates."""
     (x, y, z), (a, b, c) = low, np.subtract(high, low)
     faces = {}
     for axis, (u, v) in enumerate((((0, b, 0), (0, 0, c)), ((0, 0, c), (a, 0, 0)), ((a, 0, 0), (0, b, 0)))):

@@ -7,7 +7,7 @@ ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
 
 
 def run_view3d(program, case, folder):
-    """(form factor, CPU s), at View3D's own settings"""
+    """Returns (form factor, CPU s) at View3D's default settings."""
     names = write_scene(case, folder / "case.vs3")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     subprocess.run([program, "case.vs3", "case.txt"], cwd=folder, check=True, capture_output=True)
@@ -22,7 +22,7 @@ def run_view3d(program, case, folder):
 
 
 def write_scene(case, file):
-    """the names of the rows to come"""
+    """Writes the scene and returns the names of View3D's rows."""
     if case.file:
         text = (ROOT / case.file).read_text()
         file.write_text(text)

@@ -29,7 +29,7 @@ def row_of(verdict, rival):
 
 
 def plot_family(family, verdicts, colours, light, file):
-    """a panel a configuration: for round shapes errors against pieces, for flat ones the error beside what is stated"""
+    """Draws a panel for each configuration: errors against pieces for round shapes; error and stated error for flat ones."""
     columns = 5
     rows = math.ceil(len(verdicts) / columns)
     figure, all_axes = plt.subplots(rows, columns, figsize=(2.6 * columns, 2.1 * rows), squeeze=False, layout="constrained")

@@ -14,8 +14,8 @@ constexpr int kMaxPoints = 64;
 constexpr int kMaxHalvings = 60;
 constexpr int kMaxIntervals = 10'000;
 
-// The library has rules of its own (host/unoccluded/gauss.cpp), made alike. These stay apart, for they check results of
-// the others.
+// The library's rules (host/unoccluded/gauss.cpp) are made in the same way. This code is separate, because it checks
+// results of the library.
 GaussRule makeRule(int n) {
   GaussRule rule{std::vector<long double>(n), std::vector<long double>(n)};
   for (int k = 0; k < n; ++k) {

@@ -8,7 +8,7 @@ namespace viewpeel::reference {
 // An Approximation is a number and a bound on its error.
 struct Approximation {
   double value = 0;
-  double error = 0;  // bound or estimate, as the function that returns it says
+  double error = 0;  // bound or estimate, according to the function that returns it
 };
 
 struct GaussRule {

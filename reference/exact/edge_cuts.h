@@ -20,8 +20,8 @@ struct Cut {
 // A Span is the part of an edge that an outline covers, within [0, 1].
 struct Span {
   uint32_t outline = 0;
-  // The line passes through the inside of the outline (0), or along an edge with the inside to its left (1) or right
-  // (-1).
+  // The side is 0 where the line passes through the inside of the outline, 1 or -1 where it runs along an edge with the
+  // inside to its left or right.
   int side = 0;
   Cut enter, leave;
 };
@@ -37,7 +37,7 @@ class EdgeCuts {
   // Appends the span of the outline, if it has one of positive length. Cost: O(vertices of the outline).
   void appendSpan(uint32_t outline, std::vector<Span>& spans) const;
 
-  // Returns a negative number, 0 or a positive one as p lies before, on or behind q along the edge. It is exact.
+  // Compares two cuts along the edge, exactly: negative if p lies before q, 0 if at the same place, positive if behind.
   int compare(const Cut& p, const Cut& q) const;
   mpq_class exactParameter(const Cut& cut) const;
 

@@ -14,7 +14,7 @@ namespace {
 __extension__ using Wide = unsigned __int128;
 constexpr double kUnit = 0x1p-40;
 constexpr Wide kMostCounts = UINT64_MAX;
-constexpr size_t kDirectionsAtOnce = 64;  // bounds the memory of their results
+constexpr size_t kDirectionsAtOnce = 64;  // bounds the memory for results
 
 class ExactEngine : public Engine {
  public:

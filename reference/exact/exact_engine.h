@@ -1,4 +1,4 @@
-// Engine `exact` is the estimator on exact pair areas.
+// Engine `exact` computes exact pair areas instead of counting lattice points.
 #pragma once
 #include <memory>
 
@@ -10,9 +10,9 @@ namespace viewpeel::reference {
 
 // Makes an engine whose areas are in units of 2^-40, rounded to the nearest. The sum over directions is an integer,
 // whatever the number of threads.
-//   In: options: thread_count, on_direction and blocked; the others are the engine's own
-//   Error: 2^-41 unit-ball units squared per pair and direction, plus computeExactPairAreas's.
-//   Throws (constructor): Error bad_input where polygons pass through each other, naming two and the place.
+//   In: options: thread_count, on_direction and blocked; the engine sets the others
+//   Error: 2^-41 unit-ball units squared per pair and direction, plus the error of computeExactPairAreas.
+//   Throws (constructor): Error bad_input where polygons pass through each other, naming two of them and the place.
 //   Cost: computeExactPairAreas per direction, over `thread_count` threads.
 std::unique_ptr<Engine> makeExactEngine(const Scene& scene, const Ids& ids, const ExactOptions& options = {});
 

@@ -14,7 +14,7 @@
 namespace viewpeel::reference {
 namespace {
 
-// An Edge is one of an outline, from the lower vertex to the higher.
+// An Edge is an edge of an outline, from its lower vertex to its higher one.
 struct Edge {
   uint32_t a, b;
   uint32_t outline;
@@ -36,7 +36,7 @@ std::vector<Edge> listEdges(const Projection& projection) {
   return edges;
 }
 
-// The direction's state while the edges are walked.
+// A Walk is the state of one direction while all its edges are walked.
 class Walk {
  public:
   Walk(const Projection& projection, const ExactOptions& options)
@@ -78,7 +78,7 @@ class Walk {
       events_.push_back({spans_[k].leave, k, false});
     }
     cut_count_ += events_.size();
-    // Outlines that only touch in a point have no order: at equal places one leaves before the other enters.
+    // Outlines that only touch in a point have no order there: one leaves before the other enters.
     std::sort(events_.begin(), events_.end(), [&](const Event& p, const Event& q) {
       const int order = cuts.compare(p.cut, q.cut);
       return order != 0 ? order < 0 : !p.enters && q.enters;
@@ -91,7 +91,7 @@ class Walk {
     cross_ = {cross, Ball::kUnit * std::abs(cross)};
   }
 
-  // Follows the layers along an edge on the inner side of an outline that owns it.
+  // Follows the layers along an edge, on the inner side of an outline that has this edge.
   void walkEdge(const EdgeCuts& cuts, const Edge& edge) {
     layers_.assign(edge.outline);
     Cut from = cuts.begin();

@@ -34,10 +34,9 @@ struct PairArea {
 };
 
 struct ExactPairAreas {
-  std::vector<PairArea> pairs;  // sorted by (a, b), every pair at most once
-  std::vector<PairArea>
-      blocked;  // likewise: a and b face each other with others between them; with ExactOptions::blocked, else empty
-  uint64_t cut_count = 0;  // places where an edge enters or leaves an outline: the size of the problem
+  std::vector<PairArea> pairs;    // sorted by (a, b), every pair at most once
+  std::vector<PairArea> blocked;  // blocked pairs: a and b face each other past others; only with ExactOptions::blocked
+  uint64_t cut_count = 0;         // places where an edge enters or leaves an outline: the size of the problem
 
   // Only Arithmetic::exact fills these lists, by sums of rational numbers without any rounding. The first has polygons
   // whose pairs, environment and leak do not add up to the area of their projection (twice, if two-sided).
@@ -53,10 +52,10 @@ enum class Arithmetic {
 
 struct ExactOptions {
   bool two_sided = false;
-  // With this option perimeters are found too. Where edges overlap in part without sharing both ends, a length that
-  // cancels may be counted.
+  // Perimeters are computed, too. Where edges overlap in part without sharing both ends, a length that cancels may be
+  // counted.
   bool perimeters = false;
-  bool blocked = false;  // find blocked pairs too
+  bool blocked = false;  // blocked pairs are found, too
   Arithmetic arithmetic = Arithmetic::bounded;
   double touching_depth = kTouchingDepth;  // of requireDisjoint
   unsigned thread_count = 0;               // 0: one per core

@@ -32,7 +32,7 @@ bool HeightOrder::isBelow(uint32_t a, uint32_t b) {
   return entry->second != swapped;
 }
 
-// Decides the order of a < b.
+// Decides which of a < b comes first.
 bool HeightOrder::decide(uint32_t a, uint32_t b) const {
   const Outline &first = projection_.outlines()[a], &second = projection_.outlines()[b];
   const Scene& scene = projection_.scene();

@@ -44,7 +44,7 @@ Regions exactRegions(const Scene& scene, const Ids& ids, bool blocked, const glm
   return regions;
 }
 
-// Calls add(key, count) for the facing pair and the blocked pair.
+// Calls add(key, count) for the facing lines of a pair and for its blocked lines.
 template <class Add>
 void forCounts(const PairCount& pair, const Add& add) {
   if (pair.count) add(Key{pair.i, pair.j, false}, double(pair.count));
@@ -124,7 +124,7 @@ class RowCheck {
     if (row_.regions_pooled > 0) {
       Sums sums;
       for (double sum : pooled_) sums.add(sum);
-      // Counts of rare events: Bernstein's second term in place of a normal tail.
+      // Rare events have no normal tail, so Bernstein's second term is added.
       test("small and thin regions together", sums, pooled_expectation_, h_ * h_ * std::log(2 / rate) / (3 * n_));
     }
     row_.unbiased = row_.largest_deviation <= row_.allowed_deviation;
@@ -138,12 +138,13 @@ class RowCheck {
   uint64_t tests() const { return row_.regions_tested + (row_.regions_pooled > 0); }
 
  private:
-  // Below this many regions the ratio of variances says little.
+  // With fewer regions the ratio of variances says little.
   static constexpr uint64_t kFewestSpreadRegions = 10;
 
   void test(const std::string& name, const Sums& sums, double expectation, double slack) {
     const double difference = sums.mean(n_) - expectation, error = std::sqrt(sums.variance(n_) / n_);
-    // Rounding of the sums is the least error, so that a region that every lattice counts alike is not divided by zero.
+    // The error is at least the rounding of the sums: a region with equal counts on all lattices must not divide by
+    // zero.
     const double rounding = 1e-13 * (std::abs(expectation) + h_ * h_);
     const double deviation = std::max(0.0, std::abs(difference) - slack) / std::max(error, rounding);
     if (deviation <= row_.largest_deviation) return;

@@ -30,7 +30,7 @@ class Layers {
   // The order must outlive this object.    In: lists_all: list all layers of every change
   Layers(HeightOrder& order, bool lists_all) : order_(order), lists_all_(lists_all) {}
 
-  void assign(uint32_t outline);  // starts with the inner side of an edge of `outline`, which lies in no other outline
+  void assign(uint32_t outline);  // starts inside an edge of `outline`, which lies in no other outline
   // Inserts an outline.    Cost: O(layers).
   void insert(uint32_t outline);
   void erase(uint32_t outline);
@@ -48,7 +48,7 @@ class Layers {
 
   HeightOrder& order_;
   bool lists_all_;
-  std::vector<Layer> layers_;  // own first
+  std::vector<Layer> layers_;  // the edge's outline first
   std::vector<char> taken_;
   LayerChange change_;
 };

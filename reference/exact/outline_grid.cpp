@@ -54,7 +54,8 @@ void OutlineGrid::findNear(uint32_t a, uint32_t b, std::vector<uint32_t>& outlin
   const double left = std::min(p.x, q.x), right = std::max(p.x, q.x);
   const int first_row = row(p.y - 1e-9 * cell_.y), last_row = row(q.y + 1e-9 * cell_.y);
   for (int y = first_row; y <= last_row; ++y) {
-    // The part of the edge within this row; rounding is covered by a millionth of a cell, or the edge is taken whole.
+    // This is the part of the edge within the row, a millionth of a cell longer for rounding. If in doubt it is the
+    // whole edge.
     double from = left, to = right;
     if (q.y - p.y > 1e-6 * cell_.y) {
       const auto at = [&](double height) {

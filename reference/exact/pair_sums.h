@@ -64,14 +64,14 @@ class PairSums {
   // Keeps references.
   PairSums(const Projection& projection, const ExactOptions& options);
 
-  // Adds the piece to the pair that the gap between two consecutive outlines belongs to (facing.h).    In: lower,
-  // upper: the outlines; kNoOutline where there is none
+  // Adds the piece to the pair of the gap between two consecutive outlines (facing.h).    In: lower, upper: the
+  // outlines; kNoOutline where there is none
   void addGap(uint32_t lower, uint32_t upper, const Piece& piece);
-  // Adds it to the blocked pair of two outlines with others between them, where they face each other.
+  // Adds the piece to the blocked pair of two outlines that face each other with others between them.
   void addBlocked(uint32_t lower, uint32_t upper, const Piece& piece);
 
-  // Ends an edge, whose length in P(u) is `length`, and on which all pieces since the last call lie. Pieces that run
-  // both ways cancel; the remaining pieces bound the regions.
+  // Ends an edge, on which all pieces since the last call lie. Its length in P(u) is `length`. Pieces that run both
+  // ways cancel; the other pieces bound the regions.
   void closeEdge(double length);
 
   // Returns all areas.    Cost: O(pairs log pairs).

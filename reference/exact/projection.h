@@ -16,8 +16,8 @@
 
 namespace viewpeel::reference {
 
-// Corners of a scene are integers here, equal ones merged: corner = integer * 2^exponent. Read-only, shared by the
-// threads.
+// IntegerCorners are the corners of a scene as integers, with equal ones merged: corner = integer * 2^exponent. Threads
+// share them and only read.
 struct IntegerCorners {
   explicit IntegerCorners(const Scene& scene);
 
@@ -34,10 +34,10 @@ struct Dyadic {
 Dyadic splitDouble(double x);
 mpq_class toRational(const Dyadic& x);
 
-// A Vertex is one of the projection; points that coincide exactly are one vertex.
+// A Vertex is a corner in the projection. Points that coincide exactly are one Vertex.
 struct Vertex {
   mpz_class x, y;      // units of Projection::exponent
-  glm::dvec2 rounded;  // the same point, coordinates within 1 ulp
+  glm::dvec2 rounded;  // the same point, with coordinates to 1 ulp
 };
 
 struct Outline {
