@@ -158,8 +158,8 @@ TEST(Balance, NeverFartherFromTheClosedForms) {
         for (uint32_t j = 0; j < measured.ids().count(); ++j) sum += balanced.form_factors.formFactor(i, j).value;
         EXPECT_NEAR(sum, 1, kBalanceTolerance + 1e-14);
       }
-      // x - c is smaller than c - t, which is about a standard error in each pair. These have 7 degrees of freedom,
-      // over a dozen pairs at least.
+      // x - c is smaller than c - t, which is about a standard error in each pair. Standard errors have 7 degrees of
+      // freedom, over at least a dozen pairs.
       EXPECT_LT(balanced.rms_change, 3);
     }
   }

@@ -46,7 +46,7 @@ TEST(Device, RefusalNamesTheDevicesAndTheReasons) {
   }
 }
 
-// Negative control of all device tests: the validation layer reports misuse.
+// This is the negative control of all device tests: the validation layer reports misuse.
 TEST(Device, ValidationSeesMisuse) {
   const Device device({.selector = "", .validation = true});
   ASSERT_TRUE(device.validationEnabled());
@@ -60,8 +60,8 @@ TEST(Device, ValidationSeesMisuse) {
   EXPECT_FALSE(device.validationErrors().empty());
 }
 
-// Negative control: two transfers to one buffer without a barrier are reported. Accesses of shaders by device address
-// are not watched.
+// Negative control: two transfers to one buffer without a barrier are reported. The layer does not watch accesses of
+// shaders by device address.
 TEST(Device, ValidationSeesAMissingBarrier) {
   for (bool waits : {true, false}) {
     const Device device({.selector = "", .validation = true});

@@ -1,5 +1,5 @@
-// Pairs that common directions hardly meet get directions of their own. These tests show that their form factors are
-// unbiased, their errors right and their bits reproducible, and that runs take less time.
+// Directed pairs, which common directions hardly meet, have separate directions. These tests show that their form
+// factors are unbiased, their errors right and their bits reproducible, and that runs take less time.
 #include <cmath>
 #include <numbers>
 
@@ -40,7 +40,7 @@ struct Directed {
         scene, ids, seed,
         [this](const Scene& of, const Ids& pair_ids, const LatticeOptions& options) {
           std::unique_ptr<Engine>& made =
-              pair_engines[{options.resolution, options.window.radius}];  // differs between engines of different pairs
+              pair_engines[{options.resolution, options.window.radius}];  // pairs with other windows have other engines
           if (!made) made = makeComputeEngine(testDevice(), of, pair_ids, options);
           return std::make_unique<SharedEngine>(*made);
         },

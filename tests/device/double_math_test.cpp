@@ -1,4 +1,4 @@
-// Compares logarithm and arc tangent of the shaders, in double precision, with long double.
+// These tests compare the shaders' logarithm and arc tangent, in double precision, with long double.
 #include <algorithm>
 #include <cmath>
 #include <random>

@@ -123,7 +123,7 @@ TEST(Work, SmallPolygonsAreNotTestedAllOverTheirTiles) {
       << "large polygons are left to lists";
 }
 
-// Blocked pairs are counted in passes of their own, which do not change the work of the others.
+// Separate passes count blocked pairs, and do not change the work of other passes.
 TEST(Work, BlockedPairsAreCountedApart) {
   const auto directions = sampleDirections(Sampler::fibonacci, 20, 3, 0);
   const Work without = workOf(ts::roomWithTouchingBoxes(), directions, {.resolution = 40, .few_points = 0});

@@ -1,4 +1,4 @@
-// Radiation conductors of thermal networks, read by the rules of ESATAN's and SINDA's model files.
+// These tests read radiation conductors of thermal networks by the rules of ESATAN's and SINDA's model files.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ namespace te = test_enclosures;
 
 class Conductors : public TestFolder {};
 
-// An open enclosure, every number another one, with names that no network would take.
+// Returns the form factors of an open enclosure. All numbers differ, and no network would accept its names.
 FormFactors openEnclosure() {
   Ids ids;
   for (uint32_t k = 0; k < 6; ++k) {

@@ -1,4 +1,4 @@
-// EnergyPlus's surroundings: a building seen from outside, sky and ground apart, and the objects that say so.
+// These tests see an EnergyPlus building from outside, with sky and ground, and check the objects that describe this.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -20,8 +20,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-// A room of 4 x 3 x 2.5 m on the ground, with an overhang of 4 x 1.5 m at the top of its south wall and a board of
-// 4 x 2.5 m, 3 m before its north wall. The east wall has a window; the west wall is another house's.
+// Returns a room of 4 x 3 x 2.5 m on the ground. It has an overhang of 4 x 1.5 m at the top of its south wall, and a
+// board of 4 x 2.5 m, 3 m before its north wall. The east wall has a window; the west wall belongs to another house.
 std::string house(const std::string& rules = "World") {
   const auto wall = [](const char* name, const char* boundary, const char* corners) {
     return fmt::format("BuildingSurface:Detailed,{},Wall,C,Z,,{},,,,0.5,4,{};\n", name, boundary, corners);
@@ -38,7 +38,7 @@ std::string house(const std::string& rules = "World") {
          "Shading:Building:Detailed,Board,,4,0,6,0,4,6,0,4,6,2.5,0,6,2.5;\n";
 }
 
-// From the south wall to the overhang, and from the north wall to the board.
+// These are form factors from the south wall to the overhang, and from the north wall to the board.
 double toOverhang() { return reference::perpendicularRectangles({0, 2.5}, {0, 4}, {0, 4}, {0, 1.5}); }
 double toBoard() { return reference::parallelRectangles({0, 4}, {0, 2.5}, {0, 4}, {0, 2.5}, 3); }
 
@@ -54,7 +54,7 @@ class EnergyPlusOutside : public TestFolder {
   }
 };
 
-// The south wall sees the overhang above the horizon alone, and the north wall sees the board as much above as below.
+// The south wall sees the overhang only above the horizon. The north wall sees as much of the board above as below.
 TEST_F(EnergyPlusOutside, SkyAndGroundHaveClosedForms) {
   const Scene scene = outside(house());
   EXPECT_EQ(scene.blockers, (std::vector<std::string>{"West", "Floor"}));
@@ -79,7 +79,7 @@ TEST_F(EnergyPlusOutside, SkyAndGroundHaveClosedForms) {
   const std::vector<SkyShare> shares = divideEnvironment(scene, polygons, {1 - overhang, 1 - board, 1});
   const double sky[] = {0.5 - overhang, (1 - board) / 2, 0.5}, ground[] = {0.5, (1 - board) / 2, 0.5};
   for (int which = 0; which < 3; ++which) {
-    // Rays beside the plane are left out: 1e-4. Five standard errors of 8 sets are exceeded once in 600 times.
+    // Rays within 1e-4 of the plane are left out. Chance exceeds five standard errors of 8 sets once in 600 times.
     const double bound = 5 * shares[which].standard_error + 1e-4;
     EXPECT_NEAR(shares[which].sky, sky[which], bound) << which;
     EXPECT_NEAR(shares[which].ground, ground[which], bound) << which;
@@ -90,7 +90,7 @@ TEST_F(EnergyPlusOutside, SkyAndGroundHaveClosedForms) {
   EXPECT_GT(std::abs(shares[0].sky - sky[1]), 0.05);
 }
 
-// EnergyPlus's schema: names, required members, view factors from 0 to 1 whose sum it holds to 1 at most.
+// This script checks EnergyPlus's schema: names, required members, and view factors from 0 to 1 with sums of at most 1.
 constexpr const char* kRead = R"(
 import json, re
 def from_json():
@@ -129,7 +129,7 @@ for name, sky, ground, others in both[0]:
 TEST_F(EnergyPlusOutside, ObjectsHoldAnyMatrix) {
   const Scene scene = outside(house());
   const FormFactors random = randomFormFactors(makeIds(scene, By::surface, false), 9, 0.7);
-  // The second matrix has rows above 1, as errors of sampling make them.
+  // The second matrix has row sums above 1, as sampling errors may cause.
   std::vector<FormFactors::Entry> larger = random.entries();
   for (FormFactors::Entry& entry : larger) entry.exchange_area.value *= 3;
   for (const FormFactors& f : {random, FormFactors(random.ids(), larger, random.rowSums())}) {
@@ -163,7 +163,8 @@ print('passed')
   }
 }
 
-// The user's own way. The roof and the east wall see nothing, and EnergyPlus's own view factors are right for them.
+// The program is used as a user does. The roof and the east wall see nothing, and EnergyPlus's default is right for
+// them.
 TEST_F(EnergyPlusOutside, ProgramWritesWhatWallsSee) {
   write("house.idf", house());
   const std::string command = fmt::format(
@@ -184,7 +185,7 @@ print('passed')
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
 }
 
-// Where coordinates are relative, a zone's shading moves with the zone, and a site's stays where the world has it.
+// With relative coordinates, a zone's shading moves with the zone, and the site's shading stays in world coordinates.
 TEST_F(EnergyPlusOutside, ShadingsAreInTheirOwnCoordinates) {
   std::string text = house("Relative");
   text.replace(text.find("Zone,Z;"), 7, "Zone,Z,0,10,20,0;");
@@ -199,8 +200,7 @@ TEST_F(EnergyPlusOutside, ShadingsAreInTheirOwnCoordinates) {
   const auto near = [](const glm::dvec3& a, const glm::dvec3& b) { return glm::length(a - b) < 1e-12; };
   EXPECT_TRUE(near(first("Overhang"), {10, 20, 2.5}));
   EXPECT_TRUE(near(first("Board"), {0, 6, 0}));
-  EXPECT_TRUE(
-      near(first("Tree"), {0, 1, 0}));  // the building's north axis is 90 degrees: east in the world is north here
+  EXPECT_TRUE(near(first("Tree"), {0, 1, 0}));  // the building's north axis is 90 degrees: world east is north here
 }
 
 TEST_F(EnergyPlusOutside, WhatCannotBeIsRefused) {

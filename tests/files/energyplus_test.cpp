@@ -89,7 +89,7 @@ std::string coordinates(const Corners& corners) {
   return text + ";\n";
 }
 
-// In: space: whether to write the field `space name`, new in version 9.6
+// Writes the zones as IDF.    In: space: whether to write the field `space name`, new in version 9.6
 std::string idf(const std::vector<Wall>& walls, const std::vector<std::string>& zones, bool space = false) {
   std::string text = "! a building\nVersion,9.6;\nGlobalGeometryRules, UpperLeftCorner, CounterClockwise, World;\n";
   for (const std::string& zone : zones) text += fmt::format("Zone,\n  {},  !- Name\n  0, 0, 0, 0;\n", zone);
@@ -229,7 +229,7 @@ TEST_F(EnergyPlus, ObjectsHoldAnyMatrix) {
   for (const std::string version : {"9.5", "9.6", "23.1"}) expectObjects(version);
 }
 
-// A zone alone is the same as that zone of all; the others' surfaces are not there.
+// One zone read alone equals this zone read among all, without the others' surfaces.
 TEST_F(EnergyPlus, OneZoneIsChosenByName) {
   const fs::path file = write("building.idf", idf(twoRooms(), {"West", "East"}));
   SceneOptions options;

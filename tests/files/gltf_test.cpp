@@ -51,7 +51,7 @@ TEST_F(Gltf, AssimpWritesThem) {
   }
 }
 
-// The file's own buffer holds one triangle, with single-precision positions and 16-bit indices.
+// The file's buffer holds one triangle, with single-precision positions and 16-bit indices.
 constexpr const char* kBuffer =
     "\"buffers\":[{\"byteLength\":42,\"uri\":\"data:application/octet-stream;base64,"
     "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAAAAABAAIA\"}],"
@@ -148,7 +148,7 @@ struct TinyGltfReader {
   }
 };
 
-// A corner is a product of a few matrices: some roundings of its size, up to 16.
+// A corner is a product of a few matrices, so it differs by some roundings of its size, up to 16.
 TEST_F(Gltf, TinyGltfReadsTheSame) {
   write("shed.obj",
         "o floor\nv 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nf 1 2 3 4\n"

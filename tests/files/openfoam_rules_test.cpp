@@ -1,4 +1,5 @@
-// OpenFOAM: our files read by the rules of versions that are not in Debian, and a tutorial of Debian's run with them.
+// These tests read our OpenFOAM files by the rules of versions that Debian lacks, and run one of Debian's tutorials
+// with them.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
@@ -17,7 +18,7 @@ namespace fs = std::filesystem;
 class OpenFoamRules : public FoamCase {};
 class OpenFoamTutorial : public TestFolder {};
 
-// A reader of OpenFOAM's text, written from its sources alone.
+// This program reads OpenFOAM's text by rules that were taken from OpenFOAM's sources alone.
 //   Sources: List<T>::readList (ListIO.C), operator>> of mapDistributeBase (mapDistributeBaseIO.C) and mapDistribute
 //   (mapDistributeIO.C), of OpenFOAM Ltd.'s v2206; mapDistributeBase::distribute.
 constexpr const char* kReader = R"(
@@ -158,7 +159,7 @@ print('passed')
   }
 }
 
-// Reads the table of docs/formats.md: a row's name to what viewFactorsGen gives and what viewpeel gives.
+// This script reads the table of docs/formats.md: for each row the values of viewFactorsGen and of viewpeel.
 constexpr const char* kTutorial = R"(
 import os, shutil, subprocess
 source = '/usr/share/doc/openfoam-examples/examples/heatTransfer/chtMultiRegionSimpleFoam/multiRegionHeaterRadiation'
@@ -228,7 +229,7 @@ assert theirs['row sums in bottomAir, 120 coarse faces'][1] > 1.1
 print('passed', theirs, ours)
 )";
 
-// Numbers of the table may be off by one in the last digit. The goal of 2e-4 is for single entries. Their errors are
+// Numbers of the table may differ by one in the last digit. The goal of 2e-4 is for single entries. Their errors are
 // independent, so row sums of 120 entries, most of them far below the largest, stay within 1e-3.
 TEST_F(OpenFoamTutorial, RunsWithBoth) {
   const PythonResult result =

@@ -120,7 +120,7 @@ TEST_F(ReadResult, BringsBackARun) {
   EXPECT_FALSE(stored.form_factors.ids().two_sided);
 }
 
-// What was read can be written again, with the attributes that every file has, and read once more.
+// A result that was read is written again, with the attributes that every file has, and read once more.
 TEST_F(ReadResult, CanBeWrittenAgain) {
   std::vector<Interval> intervals;
   for (const FormFactors::Entry& entry : form_factors_.entries())

@@ -156,8 +156,8 @@ FormFactors readFdf(const fs::path& file) {
   return {ids, std::move(entries), std::move(sums)};
 }
 
-// SYRTHES's own file, read and written again, gives the same solution. Negative control: with the two halves of the
-// rows swapped it does not.
+// SYRTHES's form factors, read and written again, give the same solution. Negative control: with the two halves of the
+// rows swapped they do not.
 TEST_F(SmallFormats, SyrthesSolvesWithItsOwnFactorsWrittenHere) {
   const FormFactors own = readFdf(fs::path(kCase) / "syrthes/mesh.fdf");
   ASSERT_EQ(own.ids().count(), 2617u);

@@ -1,4 +1,4 @@
-// uDALES calls a program for form factors and reads its file: here view3d stands in for View3D.
+// uDALES runs View3D for form factors and reads its file; in these tests it runs view3d in View3D's place.
 #include <gtest/gtest.h>
 
 #include "tests/support/python.h"
@@ -9,9 +9,9 @@ namespace {
 
 class Udales : public TestFolder {};
 
-// uDALES (tools/python/udgeom/view3d.py) writes .vs3 with CRLF and a facet a triangle, runs the executable that
-// VIEW3D_EXE names, and reads the sparse layout: the sky's view factors are what rows lack. Two boxes stand on the
-// ground.
+// uDALES (tools/python/udgeom/view3d.py) writes .vs3 with CRLF and one facet a triangle, and runs the executable that
+// VIEW3D_EXE names. It reads the sparse layout, and takes the lacks of rows as the sky's view factors. Two boxes stand
+// on the ground.
 TEST_F(Udales, TakesTheProgramForView3d) {
   std::filesystem::copy_file(VIEWPEEL_PROGRAM, folder_ / "view3d");
   const PythonResult result = runPython(folder_, R"(

@@ -157,8 +157,8 @@ std::string asPython(const View3dMatrix& matrix) {
       f, matrix.areas, matrix.emissivities, matrix.rowCount());
 }
 
-// Each layout is read by the rules of its reader: uDALES's, or View3D's own. Bounds are half a unit in the last digit,
-// or float32's rounding.
+// Each layout is read by the rules of its reader: uDALES, or View3D itself. Bounds are half a unit in the last digit,
+// or the rounding of float32.
 TEST_F(View3dFiles, LayoutsAreReadByTheirReadersRules) {
   const View3dMatrix matrix = randomMatrix(7);
   const auto stream = [&](const char* name) { return std::ofstream(folder_ / name, std::ios::binary); };
@@ -267,12 +267,12 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   EXPECT_NE(textOf("View3D.log").find("F[1][7] = 2.00"), std::string::npos) << textOf("View3D.log");
 }
 
-// View3D's sample cases (public domain) are compared with a longer run by exact areas, which shares no lattice, pair
-// lines or closed form with the program. One of the 5,780 pairs exceeds 5.5 standard errors of 64 replicates for 1 of
-// 230 seeds; this seed is fixed.
-// box345 asks for rows that sum to 1: rows and columns are multiplied by 1 + u_i, which changes F_ij by
-// F_ij (u_i + u_j). Lacks that are alike have u of half the lack; twice the largest lack is allowed. Without that each
-// form factor is compared for itself.
+// View3D's sample cases (public domain) are compared with a longer run by exact areas, which shares no lattice,
+// pair lines or closed form with the program. One of the 5,780 pairs exceeds 5.5 standard errors of 64
+// replicates for 1 of 230 seeds; this seed is fixed. The file box345 requires rows that sum to 1: rows and
+// columns are multiplied by 1 + u_i, which changes F_ij by F_ij (u_i + u_j). If all rows lack the same, u is
+// half of it; twice the largest lack is allowed. Without this file's rule each form factor is compared as it
+// is.
 TEST_F(View3dFiles, SampleCasesAgreeWithExactAreas) {
   for (const std::string name : {"facet", "wdwdoor", "box345"}) {
     std::ostringstream text;

@@ -1,5 +1,5 @@
-// Fuzz targets of .h5 files decide column by column what is stored. HDF5 itself gets sound files: it is not made to
-// survive damaged ones, and the check sum keeps these from it (host/io/hdf5_file.h).
+// In fuzz targets of .h5 files the input decides, column by column, which values are stored. HDF5 itself always gets
+// sound files, for it may crash on damaged ones, which the check sum normally keeps out (host/io/hdf5_file.h).
 #pragma once
 #include <cstring>
 #include <filesystem>
@@ -14,7 +14,7 @@
 
 namespace viewpeel::fuzz {
 
-// Bytes hands out the input from front to back, and zeros after its end.
+// Bytes reads the input from front to back, and returns zeros after its end.
 class Bytes {
  public:
   Bytes(const uint8_t* bytes, size_t count) : at_(bytes), end_(bytes + count) {}
@@ -43,7 +43,7 @@ class Bytes {
   const uint8_t *at_, *end_;
 };
 
-// Writes the whole column where no bytes are left. Otherwise it may write another column in its place, or none.
+// Writes the correct column where no input is left. Otherwise it may write another column, or none.
 template <class T>
 void writeColumn(Hdf5Output& out, Bytes& bytes, const std::string& name, const std::vector<T>& whole) {
   switch (bytes.take<uint8_t>() % 9) {

@@ -15,8 +15,8 @@ namespace {
 
 using fuzz::writeColumn;
 
-// Writes sums of two replicates for two ids, one pair and the environment. The group by_id has neither, for with priors
-// by polygon other sums hold them.
+// Writes sums of two replicates for two ids, one pair and the environment. The group by_id has no pair and no
+// environment, for with priors by polygon other sums hold them.
 void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -46,7 +46,7 @@ void writeSums(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& group) {
   }
 }
 
-// Adds pair lines of this pair, and of the first id and a back.
+// Adds pair lines between the two ids, and between the first id and a back.
 void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -65,7 +65,8 @@ void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   writeColumn(out, bytes, "lines/replicates", U32{2, 1});
 }
 
-// Adds the unoccluded form factor of this pair, lines that end in the environment, and directions of the pair's own.
+// Adds the pair's unoccluded form factor, lines that end in the environment, and the pair's directions as a directed
+// pair.
 void writePriorSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U8 = std::vector<uint8_t>;
   using U32 = std::vector<uint32_t>;
@@ -121,11 +122,11 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   writeSums(out, bytes, "by_id");
   writeSums(out, bytes, "by_surface");
   writePriorSums(out, bytes);
-  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // results then follow from pair lines
+  if (bytes.take<uint8_t>() % 2) writeLineSums(out, bytes);  // results then come from pair lines
   return readCheckpoint(file.write(out.finish()));
 }
 
-// Does what the program does with a checkpoint: report, merge, go on.
+// Uses a checkpoint as the program does: reports it, merges it, and continues from it.
 void use(Checkpoint checkpoint) {
   requireSameSettings(checkpoint.settings, checkpoint.settings, "again");
   describeReplicates(checkpoint.sums.replicates);

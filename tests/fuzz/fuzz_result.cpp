@@ -26,7 +26,7 @@ void writeTexts(Hdf5Output& out, fuzz::Bytes& bytes, const std::string& name, co
     case 1:
       return out.writeTexts(name, bytes.takeTexts());
     default:
-      return writeColumn(out, bytes, name, whole);  // one width for all, which no result has
+      return writeColumn(out, bytes, name, whole);  // one length for all columns, which no result has
   }
 }
 
@@ -94,7 +94,7 @@ std::vector<char> fileOf(const uint8_t* data, size_t count) {
   return out.finish();
 }
 
-// Does what programs do that read a result: write it again, and make a page of it.
+// Uses a result as programs do: writes it again, and makes a page of it.
 void use(const std::filesystem::path& file) {
   const StoredResult stored = readResult(file);
   std::ostringstream text;

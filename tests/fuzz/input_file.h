@@ -12,8 +12,8 @@ namespace viewpeel::fuzz {
 // Returns the path of a file in memory with these bytes. Every call uses the same file.
 std::filesystem::path makeFile(const uint8_t* bytes, size_t count);
 
-// Reads the bytes as a scene and does what every run does before the first direction: split, group, name, look for
-// openings. A scene may be refused only by an Error of one line.
+// Reads the bytes as a scene and makes the checks before the first direction: it splits, groups and names faces, and
+// looks for openings. Only an Error with one line may refuse a scene.
 void loadBytes(InputScene (*read)(const std::filesystem::path&), const uint8_t* bytes, size_t count);
 
 // Aborts unless the message is one line of printable text.

@@ -99,8 +99,8 @@ TEST(Laws, RigidMotionAndScaleLeaveFactorsAlone) {
   }
 }
 
-// The scene is moved so far that coordinates are rounded to 1.5e-8 of its size, more than planes may differ and count
-// as one. Form factors stay, no line is lost, and a warning says where planes are in doubt.
+// The scene is moved so far that coordinates are rounded to 1.5e-8 of its size. This is more than planes may differ to
+// count as one. Form factors stay the same, no line is lost, and a warning names planes in doubt.
 TEST(Laws, MovedFarAwayFactorsStay) {
   TestRun run;
   run.estimate.directions = 150;

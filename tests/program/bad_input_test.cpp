@@ -1,5 +1,5 @@
-// Users get scene files, options and outputs wrong. The program says so in one line with file and place, exits with
-// status 2 or 1, and leaves no half-written file. Runs use the exact engine, which needs no device.
+// Users make mistakes in scene files, options and outputs. The program reports each in one line with file and place,
+// exits with status 2 or 1, and leaves no half-written file. Runs use the exact engine, which needs no device.
 #include <fmt/format.h>
 #include <sys/stat.h>
 
@@ -173,7 +173,7 @@ TEST_F(BadInput, OutputsThatCannotBeWrittenAreFoundFirst) {
       expectOneLine(run(kPlates + "--engine exact --checkpoint " + file(name), kWithoutRights), 2,
                     file(name) + ": cannot write: ", part);
   }
-  // A limit of 2 KiB for each file stands for a disk with less room than one block.
+  // A limit of 2 KiB for each file simulates a disk with less room than one block.
   expectOneLine(run(kPlates + kExact + "-o " + file("kept.csv"), "trap '' XFSZ; ulimit -f 4;"), 2,
                 file("kept.csv") + ": cannot write: ", "File too large");
   EXPECT_EQ(files(), before);

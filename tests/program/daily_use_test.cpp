@@ -1,4 +1,5 @@
-// What is asked of outputs day by day: less of them, pipes, names for faces, parts that are added up, another place.
+// These tests use outputs as daily work does: fewer entries, pipes, names for faces, summed parts, another place on a
+// full disk.
 #include <fmt/format.h>
 
 #include "tests/support/program.h"
@@ -11,7 +12,7 @@ const std::string kOffice = VIEWPEEL_SCENES "/office.obj ";
 
 class DailyUse : public Program {
  protected:
-  // Runs Python, which asserts. `vp` is the program's path, `office` a scene's.
+  // Runs Python with assertions. `vp` is the program's path, `office` the path of a scene.
   void judge(const std::string& script) const {
     const PythonResult judged =
         runPython(folder_, fmt::format("import csv, json, math, os, subprocess, sys\nvp = '{}'\noffice = '{}'\n",
@@ -51,7 +52,7 @@ assert h5.attrs['drop_below'] == 0.01 and 'faces' in h5.attrs['row_order'] and '
   EXPECT_EQ(run("compute " + kOffice + "--drop-below 0.01 --balance").status, 2);
 }
 
-// What a sparse matrix has no room for stands in files beside it.
+// Numbers that a sparse matrix cannot hold go to files beside it.
 TEST_F(DailyUse, RowsAndErrorsHaveFilesOfTheirOwn) {
   ASSERT_EQ(
       run(fmt::format("compute {} --by surface --directions 40 --quiet -o {} -o {} -o {} -o {} -o {}", kOffice,
@@ -119,7 +120,7 @@ assert r.returncode == 2 and r.stderr == said, r.stderr
 )");
 }
 
-// A command line can be tried with `plan` in the place of `compute`.
+// `plan` takes the same options as `compute`, so a command line can be tried first.
 TEST_F(DailyUse, PlanTakesTheOptionsOfCompute) {
   const std::string options = fmt::format(
       "{} --by surface --directions 40 --replicates 4 --balance --closure --show floor --drop-below 0 "
@@ -161,14 +162,14 @@ TEST_F(DailyUse, MergeAddsToACheckpoint) {
       run(fmt::format("merge --quiet {} {} {} -o {}", file("1.h5"), file("2.h5"), file("3.h5"), file("b.csv"))).output,
       "");
   EXPECT_TRUE(readFile(file("a.csv")) == readFile(file("b.csv")));
-  // What is in it already counts once.
+  // Replicates that the file already has count once.
   ASSERT_EQ(
       run(fmt::format("merge --quiet {} --checkpoint {} --resume -o {}", file("3.h5"), all, file("c.csv"))).output, "");
   EXPECT_TRUE(readFile(file("c.csv")) == readFile(file("b.csv")));
   EXPECT_EQ(run(fmt::format("merge {} --resume", all)).status, 2);
 }
 
-// A limit on the size of files stands for a full disk, which a smaller file still fits on.
+// A limit on the size of files simulates a full disk, where a smaller file still fits.
 TEST_F(DailyUse, AFullDiskAsksForAnotherPlaceOnATerminal) {
   judge(R"(
 import pty

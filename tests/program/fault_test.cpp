@@ -245,7 +245,7 @@ TEST_F(Fault, SignalEndsALargeRunWithinTwoSeconds) {
     running.send(SIGINT);
     EXPECT_EQ(running.wait(), 130) << options << readFile(file("messages"));
     EXPECT_LT(secondsSince(start), kSoon) << options;
-    // A warning may come before this line, for some of the squares lie in one plane by chance.
+    // A warning may precede this line, for some squares lie in one plane by chance.
     EXPECT_NE(readFile(file("messages")).find("viewpeel: stopped by SIGINT, "), std::string::npos)
         << readFile(file("messages"));
   }

@@ -1,4 +1,4 @@
-// Python's own reader takes the JSON of every subcommand and every error.
+// Python's JSON reader accepts the output of every subcommand, and of every error.
 #include <fmt/format.h>
 
 #include "tests/support/program.h"
@@ -9,7 +9,7 @@ namespace {
 
 class Json : public Program {
  protected:
-  // Runs the program, loads what it prints on stdout as `d`, and lets Python assert.
+  // Runs the program, loads its stdout as `d`, and runs the assertions in Python.
   void expect(const std::string& arguments, int status, const std::string& assertions) const {
     const std::string command =
         fmt::format(VIEWPEEL_PROGRAM " {} --json >'{}' 2>'{}' </dev/null", arguments, file("out"), file("err"));

@@ -1,4 +1,4 @@
-// Long runs lose no replicate: the program is killed or interrupted, goes on, and writes the bytes of an undisturbed
+// Long runs lose no replicate. The program is killed or interrupted, continues, and writes the bytes of an undisturbed
 // run.
 #include <random>
 

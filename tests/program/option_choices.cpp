@@ -42,7 +42,7 @@ const std::array<std::string, 6> kRoom = {"west", "east", "south", "north", "flo
 
 bool isOpen(const std::string& scene) { return scene == "plates" || scene == "sliver"; }
 
-// Returns whether pair lines give the guarantee. They do unless an option asks for directions.
+// Returns whether pair lines give the guarantee. They do unless an option requires directions.
 bool isByLines(const Choices& run) {
   return has(run, "goal", "--epsilon 0.2") && choiceOf(run, "sampler").empty() && choiceOf(run, "sampling").empty() &&
          choiceOf(run, "unoccluded").empty() && !has(run, "engine", "exact");

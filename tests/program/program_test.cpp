@@ -125,7 +125,7 @@ TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {
   EXPECT_NE(wrong.output.find("has no surface 's9'"), std::string::npos) << wrong.output;
 }
 
-// The plan works by surface as the run does. It once crashed here, with ids of 576 faces in arrays of 18 surfaces.
+// The plan is by surface, as the run is. It once crashed here, with ids of 576 faces in arrays of 18 surfaces.
 TEST_F(Program, PlansUnoccludedFormFactorsBySurface) {
   const std::string office = " " VIEWPEEL_SCENES "/office.obj --by surface --tolerance 2e-4";
   for (const char* command : {"plan", "compute --quiet"}) {
@@ -279,8 +279,8 @@ TEST_F(Program, EnginesWriteTheSameFiles) {
   }
 }
 
-// Pair lines drawn on a device have the bits of the processor's, in whole runs and in runs that one of them begins and
-// the other ends.
+// Pair lines drawn on a device have the bits of the processor's lines, in whole runs and in runs that begin on one and
+// end on the other.
 TEST_F(Program, PairLinesAreTheSameOnADevice) {
   const std::string street = "compute " VIEWPEEL_SCENES
                              "/street.obj --quiet --tolerance 2e-2 --sampling lattice "

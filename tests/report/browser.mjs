@@ -29,14 +29,14 @@ export const viewpeelFails = (...words) => {
 export const readCsv = (file) => parseCsv(readFileSync(file, 'utf8'));
 export const parseCsv = (text) => text.trim().split('\n').map((line) => line.split(','));
 
-// Starts Chromium as it is on a machine without a GPU: WebGL by SwiftShader, the rest of the page by the processor, too.
+// Starts Chromium as on a machine without a GPU: SwiftShader draws WebGL, and the processor draws the rest of the page.
 export const launch = (...more) => {
   const executablePath = '/usr/bin/chromium';
   assert.ok(existsSync(executablePath), `${executablePath} is missing: scripts/test installs it`);
   return chromium.launch({ executablePath, args: ['--no-sandbox', '--disable-gpu', '--enable-unsafe-swiftshader', ...more] });
 };
 
-// Chromium notes for itself that it copies the scene from SwiftShader: it would for any page.
+// Chromium prints a note of its own when it copies the scene from SwiftShader; it would for any page.
 const isOwnNote = (text) => /GL Driver Message \(OpenGL, Performance, .*GPU stall due to ReadPixels/.test(text);
 
 // Returns a page that is ready, or shows its fault.

@@ -1,9 +1,10 @@
-// Writes large results: 20,000 polygons on a wavy field, 40 surfaces of 500, some hundred form factors a row.
+// This program writes large results: 20,000 polygons on a wavy field, 40 surfaces of 500, some hundred form factors a
+// row.
 //   viewpeel_large_page PAGE.html ROW.csv               3.9 million form factors, as many as pages are meant to have
 //   viewpeel_large_page by-surface RESULT.h5 SUMS.csv   6.8 million, too many for a page, which shows surfaces instead
 //   viewpeel_large_page by-size RESULT.h5 ROW.csv       as many, each row a surface of its own
-// The values are made up, with A_i F_ij = A_j F_ji, for the page shows any. The .csv has the entries of one
-// row, or the form factors between surfaces, added up here by their definition, with intervals.
+// The values are invented, with A_i F_ij = A_j F_ji, for the page shows any values. The .csv has the entries of one
+// row, or the form factors between surfaces, computed here by their definition, with intervals.
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -33,7 +34,7 @@ double scatter(int i, int j) {
 
 double areaOf(int row) { return 1 + 0.5 * scatter(row, 3 * row); }
 
-// How far the rows are that a row sees, on each side of it.
+// A Reach is the distance in rows up to which a row sees others, on either side.
 struct Reach {
   int neighbours;
   bool is_dense;  // else at growing distances
@@ -114,7 +115,7 @@ void writeResult(const ReportContent& content, const char* file) {
   out.write("geometry/polygon_area", geometry.polygon_area);
   out.writeTexts("geometry/surface_name", geometry.surface_names);
   out.write("is_requested", std::vector<uint8_t>(content.names.size(), 1));
-  out.setAttribute("/", "viewpeel_result_format", int64_t{1});  // as write_hdf5.cpp has it
+  out.setAttribute("/", "viewpeel_result_format", int64_t{1});  // as in write_hdf5.cpp
   out.setAttribute("/", "unlisted_bound", 0.0);
   const std::vector<char> bytes = out.finish();
   std::ofstream(file, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
@@ -127,7 +128,7 @@ void writeRow(const ReportContent& content, const char* file) {
                content.standard_errors[k]);
 }
 
-// F_IJ = sum over i in I, j in J of A_i F_ij / A_I, and so are errors and bounds.
+// Writes F_IJ = sum over i in I, j in J of A_i F_ij / A_I. Errors and bounds are summed in the same way.
 void writeSums(const ReportContent& content, const char* file) {
   std::vector<double> areas(kRows / kRowsOfSurface, 0.0);
   for (int row = 0; row < kRows; ++row) areas[row / kRowsOfSurface] += content.areas[row];

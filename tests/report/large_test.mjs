@@ -16,7 +16,7 @@ after(async () => {
 });
 
 const makeLarge = (...words) => execFileSync(process.env.VIEWPEEL_LARGE_PAGE, words, { encoding: 'utf8' });
-// Writes a result, and the page of it. Returns how many form factors it has.
+// Writes a result and its page. Returns the number of form factors.
 function makeReport(kind) {
   const count = Number(makeLarge(kind, folder.path('large.h5'), folder.path(`${kind}.csv`)));
   viewpeel('report', folder.path('large.h5'), '-o', folder.path(`${kind}.html`));
@@ -24,7 +24,7 @@ function makeReport(kind) {
   assert.ok(size <= MOST_BYTES, `${size} bytes`);
   return count;
 }
-// Form factors from a row as its panel copies them: numbers by the names of rows.
+// Returns the form factors from a row as its panel copies them: numbers by the names of rows.
 async function copyRow(page, name) {
   const selection = await page.panel('Selection');
   await page.tab.evaluate((row) => window.viewpeelPage.chooseName(row), name);
@@ -40,7 +40,7 @@ test('a large page loads its rows on demand, and has the numbers that were writt
   assert.ok(statSync(file).size <= MOST_BYTES);
   const page = await openPage(browser, file, { width: 1600, height: 900 });
   const decoded = () => page.tab.evaluate(() => window.viewpeelPage.contents.decoded.size);
-  assert.equal(await decoded(), 1); // the block of the row that is selected at first, of some hundred
+  assert.equal(await decoded(), 1); // only the block of the row that is selected at first, of some hundred blocks
   const expected = readCsv(csv), { row } = await copyRow(page, expected[0][0]);
   assert.equal(await decoded(), 2);
   assert.equal(row.size, expected.length);
@@ -50,7 +50,7 @@ test('a large page loads its rows on demand, and has the numbers that were writt
 
   const width = () => page.tab.evaluate(() => document.getElementById('scene').width);
   const still = await width();
-  // Turns while something else takes 60 ms of each frame: the scene is drawn coarser, and sharp once it is still.
+  // Turns the scene while other work takes 60 ms of each frame: it is drawn coarser, and sharp once it is still.
   await page.tab.evaluate(async () => {
     for (let turn = 0; turn < 30; ++turn) {
       window.viewpeelPage.scene.turn(0.02, 0);
@@ -71,7 +71,7 @@ test('form factors that do not fit are added up by surface', async () => {
   const bySurface = new Map();
   for (const [from, to, ...numbers] of readCsv(folder.path('by-surface.csv'))) bySurface.set(from, [...(bySurface.get(from) ?? []), [to, numbers.map(Number)]]);
   assert.equal(bySurface.size, 40);
-  // Sums of up to 500 x 500 products in another order: 2^-53 each.
+  // Sums of up to 500 x 500 products are in another order: each addition rounds by 2^-53.
   const rounding = 500 * 500 * 2 ** -53;
   for (const surface of ['field_0', 'field_17', 'field_39']) {
     const { head, row } = await copyRow(page, surface);
@@ -92,7 +92,7 @@ test('without fewer surfaces the smallest form factors are left out', async () =
   assert.equal(Number(all), count);
   assert.ok(Number(left) > 0);
   const expected = readCsv(folder.path('by-size.csv')), { row } = await copyRow(page, expected[0][0]);
-  // The bounds are said with two digits, so that they may be 5 % off.
+  // The page shows bounds with two digits, so they may be 5 % off.
   let sum = 0;
   for (const [, to, text] of expected) {
     const f = Number(text);

@@ -55,7 +55,7 @@ test('numbers are the file\'s, to the last bit', async () => {
   assert.equal(shown.size, expected.length);
   for (const [, to, f, error] of expected) assert.deepEqual(shown.get(to), [Number(f), Number(error)], to);
 
-  // A row alone, and the first lines of the table of largest form factors, have the file's numbers.
+  // A single row, and the first lines of the table of largest form factors, have the file's numbers.
   const all = readCsv(folder.path('office.csv')).slice(1).filter(([, to]) => to !== 'environment' && to !== 'leak');
   const largest = all.reduce((most, [, , f]) => Math.max(most, Number(f)), 0);
   await (await page.panel('Largest')).getByRole('button', { name: 'Copy this row as CSV' }).first().click();
@@ -124,7 +124,7 @@ test('a flipped surface is seen at once', async () => {
   await flipped.tab.locator('#backs').selectOption('dotted');
   assert.ok(!(await flipped.hasBlock(PINK, 8)));
   await flipped.close();
-  // Walls seen from behind, with all faces as they should be, are hatched by lines of two pixels.
+  // In a correct scene, walls seen from behind are hatched by lines of two pixels.
   const whole = await openPage(browser, surfaces);
   await whole.tab.locator('#backs').selectOption('hatched');
   assert.ok((await whole.hasBlock(PINK, 1)) && !(await whole.hasBlock(PINK, 8)));

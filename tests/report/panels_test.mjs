@@ -1,4 +1,4 @@
-// The panels of a page against the files that the same run wrote: errors, closure, matrix, run; estimates and intervals.
+// These tests compare a page's panels with the run's files: errors, closure, matrix, run; for estimates and intervals.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { readFileSync } from 'node:fs';
@@ -7,7 +7,7 @@ import { launch, makeFolder, openPage, parseCsv, program, readCsv, scene, viewpe
 
 const folder = makeFolder();
 const NOT_PAIRS = ['environment', 'leak'];
-// A result with standard errors, by polygon; and one with intervals, by surface.
+// One run has standard errors, by polygon; the other has intervals, by surface.
 const runs = {
   estimate: ['compute', scene('office.obj'), '--tolerance', '3e-2', '--quiet'],
   guarantee: ['compute', scene('office.obj'), '--by', 'surface', '--epsilon', '1e-2', '--quiet'],
@@ -24,13 +24,13 @@ after(async () => {
 });
 
 const open = (name, options) => openPage(browser, folder.path(`${name}.html`), options);
-// Entries of a run's .csv as objects of numbers by the head's names, environment and leak included.
+// Returns the entries of a run's .csv as objects, with keys from the header; environment and leak are included.
 function entriesOf(name) {
   const [head, ...lines] = readCsv(folder.path(`${name}.csv`));
   return lines.map((line) => Object.fromEntries(head.map((key, k) => [key, k < 2 ? line[k] : Number(line[k])])));
 }
 const pairsOf = (name) => entriesOf(name).filter(({ to }) => !NOT_PAIRS.includes(to));
-// What a histogram says: first and last value of each bar, and its count.
+// Returns the bars of a histogram: first and last value, and count.
 const barsOf = (chart) => chart.locator('rect.bar title').evaluateAll((titles) => titles.map(({ textContent }) => {
   const [, from, to, count] = textContent.match(/^(\S+) to (\S+): ([\d,]+) /);
   return { from: Number(from), to: Number(to), count: Number(count.replaceAll(',', '')) };
@@ -50,7 +50,7 @@ for (const [name, errorOf, noun, goal] of [['estimate', (entry) => entry.standar
     assert.deepEqual(bars.map(({ count }) => count), [...expected].sort(([a], [b]) => a - b).map(([, count]) => count));
     bars.forEach(({ from }, k) => assert.equal(from, Number((10 ** ([...expected.keys()].sort((a, b) => a - b)[k] / 4)).toExponential(1))));
     assert.equal(await chart.locator('.mark-text').textContent(), `goal ${goal}`);
-    // The goal's line stands where the axis says: between the bars of smaller errors and those of larger ones.
+    // The goal's line lies between the bars of smaller errors and the bars of larger ones, as the axis says.
     const line = Number(await chart.locator('line.mark').getAttribute('x1'));
     const lefts = await chart.locator('rect.bar').evaluateAll((rects) => rects.map((rect) => Number(rect.getAttribute('x'))));
     bars.forEach(({ from, to }, k) => assert.ok(to <= goal * 1.05 ? lefts[k] < line : from >= goal * 1.05 ? lefts[k] > line : true, `bar at ${from}`));
@@ -60,7 +60,7 @@ for (const [name, errorOf, noun, goal] of [['estimate', (entry) => entry.standar
     assert.ok(facts.includes(`Root mean square${Math.sqrt(errors.reduce((sum, error) => sum + error * error, 0) / errors.length).toExponential(1)}`), facts);
     if (name === 'guarantee') assert.ok(largest <= goal);
 
-    // The table of the worst, as CSV: the largest first, each with the file's numbers.
+    // The table of the largest errors, copied as CSV, has the file's numbers, the largest first.
     await panel.getByRole('button', { name: 'Copy as CSV' }).last().click();
     const [head, ...lines] = parseCsv(await page.clipboard());
     // A page does not mark guesses, as the .csv does.
@@ -88,7 +88,7 @@ test('closure has the row sums of the file', async () => {
   assert.deepEqual(head, ['row', 'row_sum_less_1', 'standard_error']);
   const distances = [...sums.values()].map((sum) => Math.abs(sum - 1)).sort((a, b) => b - a);
   assert.equal(lines.length, 100);
-  // Sums of up to 578 numbers below 1 in another order: each addition rounds by at most 2^-53.
+  // Sums of up to 578 numbers below 1 are in another order: each addition rounds by at most 2^-53.
   const rounding = 578 * 2 ** -53;
   lines.forEach(([row, off], k) => {
     assert.ok(Math.abs(Number(off) - (sums.get(row) - 1)) <= rounding, row);
@@ -115,7 +115,7 @@ test('the matrix is drawn in the order of places, and each cell has its form fac
       rowNames.add(pair.split(' to ')[0]);
       assert.equal(value === '0 or none', !of.has(pair), pair);
       assert.equal(filled[down * size + across], of.has(pair), pair);
-      // The picture has floats, which are said with four digits.
+      // the picture's values are floats, shown with four digits
       if (of.has(pair)) assert.ok(Math.abs(Number(value) / of.get(pair) - 1) <= 5e-4 + 2 ** -24, `${pair}: ${value}`);
     }
   assert.deepEqual([...rowNames].sort(), [...names].sort());

@@ -1,5 +1,5 @@
-// objective() is the norm that balancing minimises: the sum of (x - c)^2 / w over pairs, with w = min(c, its standard
-// error).
+// objective() is the norm that balancing minimises: the sum over pairs of (x - c)^2 / w, with w = min(c, standard error
+// of c).
 #pragma once
 #include <algorithm>
 #include <vector>

@@ -1,4 +1,4 @@
-// CheckpointFile is a test with a folder of its own, sums of a room, and an engine that needs no device.
+// CheckpointFile is a test with a separate folder, sums of a room, and an engine that needs no device.
 #pragma once
 #include <algorithm>
 #include <filesystem>

@@ -45,7 +45,7 @@ inline std::string shownValue(const std::string& output, const std::string& labe
   return output.substr(value, output.find('\n', value) - value);
 }
 
-// Program is a test with a folder of its own.
+// Program is a test with a separate folder.
 class Program : public testing::Test {
  protected:
   void SetUp() override {

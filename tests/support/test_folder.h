@@ -1,4 +1,4 @@
-// A TestFolder is a test with an empty folder of its own.
+// A TestFolder is a test with an empty, separate folder.
 #pragma once
 #include <filesystem>
 #include <fstream>

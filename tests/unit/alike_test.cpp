@@ -167,9 +167,9 @@ TEST(Alike, PairsWithSeparateDirectionsSeeTheSameFace) {
   EXPECT_EQ(noticed, 1u);  // without ranks the lower index wins, which is wrong in one of the two scenes
 }
 
-// A run has eight replicates or a few more, so that errors of row sums follow Student's t of seven degrees of freedom.
-// With seven rows at most 0.7 % of seeds have a row beyond the quantile of 1e-3. More than 6 such seeds of 100 have a
-// probability below 1e-5. A single row of 7.6 standard errors, as with seed 1, is therefore no fault.
+// The run has eight replicates or a few more, so errors of row sums follow Student's t of seven degrees of freedom.
+// With seven rows at most 0.7 % of seeds have a row beyond the quantile of 1e-3. More than 6 of 100 seeds with one have
+// a probability below 1e-5. A single row of 7.6 standard errors, as with seed 1, is therefore no fault.
 TEST(Alike, RowsOfPairsWithSeparateDirectionsErrAsStated) {
   constexpr double kQuantile = 5.408;
   const Scene scene = buildScene(ts::alikeScenes()[1].make(false));

@@ -1,4 +1,4 @@
-// Compares shares of black emission with tables, with quadrature, and with each other.
+// These tests compare shares of black emission with tables and with quadrature.
 #include <cmath>
 
 #include <boost/math/quadrature/exp_sinh.hpp>
@@ -13,7 +13,7 @@ namespace {
 
 using reference::test::isWithin;
 
-// M. F. Modest, Radiative Heat Transfer, appendix C: five digits after the point.
+// The table is M. F. Modest's, Radiative Heat Transfer, appendix C, with five digits after the point.
 TEST(Blackbody, SharesAreThoseOfTables) {
   const struct {
     double um_K, share;
@@ -27,7 +27,7 @@ TEST(Blackbody, SharesAreThoseOfTables) {
   EXPECT_EQ(blackbodyShare(INFINITY), 1);
 }
 
-// The quadrature's own error estimate is below 1e-13.
+// The quadrature states an error below 1e-13.
 TEST(Blackbody, SharesAreIntegrals) {
   const double constant = 14387.768775039337, scale = 15 / std::pow(std::acos(-1.0), 4);
   boost::math::quadrature::exp_sinh<double> rule;

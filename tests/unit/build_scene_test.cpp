@@ -1,5 +1,5 @@
-// Tests buildScene(): it splits faces into convex polygons, drops faces without area, scales to the unit ball, and
-// groups planes.
+// These tests check buildScene(): it splits faces into convex polygons, drops faces without area, scales to the unit
+// ball, and groups planes.
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -1,4 +1,4 @@
-// Small form factors leave the matrix, and what they add up to stays with each row.
+// These tests leave small form factors out of a matrix; each row keeps the sum of the ones it lost.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -8,7 +8,8 @@
 namespace viewpeel {
 namespace {
 
-// Rows of areas 1, 2 and 10. F_01 = 0.3, F_02 = 0.004, F_20 = 0.0004, F_12 = 0.002, F_21 = 0.0004, F_22 = 0.001.
+// Returns rows of areas 1, 2 and 10: F_01 = 0.3, F_02 = 0.004, F_20 = 0.0004, F_12 = 0.002, F_21 = 0.0004, F_22 =
+// 0.001.
 FormFactors example(bool with_intervals) {
   Ids ids;
   ids.names = {"a", "b", "c"};
@@ -25,7 +26,7 @@ FormFactors example(bool with_intervals) {
 
 TEST(DropBelow, RowsKeepWhatWasLeftOut) {
   const DroppedBelow result = dropBelow(example(false), 0.003);
-  // F_02 is above the bound, so that the pair stays, both ways; environment and leak always stay.
+  // F_02 is above the bound, so the pair stays in both directions. Environment and leak always stay.
   EXPECT_EQ(result.dropped.pairs, 2u);
   ASSERT_EQ(result.kept.entries().size(), 4u);
   EXPECT_DOUBLE_EQ(result.kept.formFactor(2, 0).value, 0.0004);

@@ -1,4 +1,4 @@
-// Compares the environment above and below a horizon with closed forms, alone and in heat.
+// These tests compare the environment above and below a horizon with closed forms, alone and in heat.
 #include <numbers>
 
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ InputScene tiltedSquare(double tilt_rad) {
   return scene;
 }
 
-// A plate sees the share (1 + cos t) / 2 of its half sphere above the horizon. Chance passes the bound of 4.5 standard
-// errors of eight replicates, t of 7 degrees of freedom, once in 360 comparisons; the seed is fixed.
+// A plate sees the share (1 + cos t) / 2 of its half sphere above the horizon. Chance exceeds 4.5 standard errors of
+// eight replicates, t of 7 degrees of freedom, once in 360 comparisons; the seed is fixed.
 TEST(Environment, OfATiltedPlate) {
   for (const double tilt : {0.0, 0.3, 1.2, std::numbers::pi / 2, 2.0, std::numbers::pi}) {
     SCOPED_TRACE(tilt);
@@ -40,7 +40,7 @@ TEST(Environment, OfATiltedPlate) {
     EXPECT_TRUE(isEstimateOf(parts.up_share[0].value, parts.up_share[0].standard_error, truth));
     EXPECT_FALSE(isEstimateOf(parts.up[0].value, parts.up[0].standard_error, truth + 0.01));  // negative control
   }
-  // Another way up turns the parts with it, and both sides together see as much of both parts.
+  // With another upward direction the parts change, and both sides of the plate together see equal parts.
   const Scene scene = buildScene(tiltedSquare(0));
   const EnvironmentParts side = measureEnvironment(scene, {.up = {0, 5, 0}});
   EXPECT_TRUE(isEstimateOf(side.up[0].value, side.up[0].standard_error, 0.5));
@@ -49,7 +49,8 @@ TEST(Environment, OfATiltedPlate) {
   EXPECT_TRUE(isEstimateOf(both.down[0].value, both.down[0].standard_error, 0.5));
 }
 
-// One square faces another above it: what passes the other goes up. In a row of all surfaces the parts are summed.
+// One square faces another above it: radiation that passes the other goes up. Rows of several surfaces have sums of the
+// parts.
 TEST(Environment, PastAnotherPlate) {
   const Scene scene = buildScene(ts::parallelSquares());
   const double between = reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1);
@@ -61,7 +62,8 @@ TEST(Environment, PastAnotherPlate) {
   EXPECT_EQ(parts.up[1].value, 0);
 }
 
-// A box and a tilted plate stand above a floor. Nothing crosses, for scanlines order what crosses by its middle.
+// Returns a box and a tilted plate above a floor. Nothing crosses, for scanlines order crossing polygons by the middle
+// only.
 InputScene boxAndPlate() {
   InputScene scene{"box and plate", {}, {}};
   ts::addFace(scene, "floor", ts::parallelogram({-2, -2, 0}, {4, 0, 0}, {0, 4, 0}));
@@ -70,7 +72,7 @@ InputScene boxAndPlate() {
   return scene;
 }
 
-// The two parts add up to the environment of a run of all form factors.
+// The two parts add up to the environment in a run of all form factors.
 TEST(Environment, AddsUpToThatOfAllFormFactors) {
   const Scene scene = buildScene(boxAndPlate());
   const EnvironmentParts parts = measureEnvironment(scene, {.tolerance = 2e-3});
@@ -83,8 +85,8 @@ TEST(Environment, AddsUpToThatOfAllFormFactors) {
     squares += std::pow((parts.all[i].value - truth.value) / error, 2);
     EXPECT_TRUE(isWithin(parts.all[i].value, parts.up[i].value + parts.down[i].value, 1e-14));
   }
-  // Errors of rows are t of 7 degrees of freedom at worst, with a variance of 1.4, and rows have directions in common,
-  // so that twice as much is allowed.
+  // Errors of rows follow t of 7 degrees of freedom at worst, with a variance of 1.4. Rows have directions in common,
+  // so twice as much is allowed.
   EXPECT_LE(squares / parts.ids.count(), 2.8);
 }
 
@@ -106,7 +108,7 @@ MaterialTable apart(Material material, double up, double down) {
   return table;
 }
 
-// An adiabatic plate has the mean fourth power of what it sees, whatever its emissivity.
+// An adiabatic plate has the mean fourth power of the temperatures it sees, whatever its emissivity.
 TEST(Environment, AnAdiabaticPlateHasTheMeanOfSkyAndGround) {
   const double tilt = 1.2, share = (1 + std::cos(tilt)) / 2;
   const Scene scene = buildScene(tiltedSquare(tilt));
@@ -122,7 +124,7 @@ TEST(Environment, AnAdiabaticPlateHasTheMeanOfSkyAndGround) {
   EXPECT_TRUE(isEstimateOf(found.heat.to_down->value, found.heat.to_down->standard_error,
                            (1 - share) * (truth - te::power(300))));
   EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9);
-  // At one temperature it makes no difference that they are apart.
+  // If both temperatures are equal, separate parts make no difference.
   MaterialTable whole = apart(te::flux(0.4, 30), 280, 280), one = whole;
   one.sky_and_ground.reset(), one.environment_temperature = 280;
   const HeatRow both = solveScene(scene, whole, request).heat.rows[0],

@@ -1,4 +1,4 @@
-// Tests the engine `exact`, which feeds exact areas to the estimator.
+// These tests check engine `exact`, which gives exact areas to the estimator.
 #include "reference/exact/exact_engine.h"
 
 #include <gtest/gtest.h>

@@ -59,7 +59,7 @@ TEST(ReplicateSums, HugeCountsKeepTheirSpread) {
                    2 * std::sqrt(13.0) / 3);  // R s^2 = 12, and D = 1
 }
 
-// Replicates that agree seem exact. One of them might as well have counted one more, so they have the error of one
+// Replicates that agree seem exact. But any of them might have counted one more, so they have the error of one
 // count.
 TEST(ReplicateSums, ReplicatesThatAgreeHaveTheErrorOfOneCount) {
   ReplicateSums sums(twoIds(1, 1));

@@ -1,5 +1,5 @@
-// These tests call computeFormFactors() and FormFactorRun, which stand behind program and library. They compare results
-// with closed forms, take single steps, stop and go on, and check refusals.
+// These tests call computeFormFactors() and FormFactorRun, the functions behind program and library. They compare
+// results with closed forms, take single steps, stop and continue, and check refusals.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -25,7 +25,7 @@ constexpr double kParallelSquares = 0.1998248957;  // Howell, C-11
 
 Request onHost(Goal goal) {
   Request request;
-  // Tests of estimates; promises have promise_test.cpp.
+  // These tests are about estimates; promise_test.cpp is about promises.
   if (std::holds_alternative<Tolerance>(goal)) request.promise = false;
   request.goal = goal;
   request.engine = EngineKind::host;
@@ -105,7 +105,7 @@ TEST(FrontDoor, AGuaranteeSaysWhatHolds) {
     const Interval interval = result.form_factors.interval(0, 1);
     EXPECT_LE(interval.lower, kParallelSquares + 1e-6);
     EXPECT_GE(interval.upper, kParallelSquares - 1e-6);
-    // A pair without an entry has the bound alone. Here this is a square with itself.
+    // Pairs without an entry have only the bound: here a square with itself.
     EXPECT_EQ(result.form_factors.interval(0, 0).upper, pair_lines ? 0 : result.guarantee->bound);
     EXPECT_EQ(result.plan.guarantee.has_value(), !pair_lines);
     EXPECT_EQ(result.plan.line_guarantee.has_value(), pair_lines);

@@ -1,5 +1,5 @@
-// Intervals of guarantees by pair lines fail as rarely as they say, by the binomial law. Near the chance that is
-// allowed they still hold, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
+// Intervals of guarantees by pair lines fail as rarely as stated, by the binomial law. Where they may fail as often as
+// is allowed they still hold, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
 #include <cmath>
 
 #include <boost/math/distributions/binomial.hpp>
@@ -23,7 +23,7 @@ const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
 
 constexpr double kFalseAlarm = 1e-4;
 
-// Returns the most failures of runs that fail with probability p or less, but for kFalseAlarm.
+// Returns a number of failures that runs which fail with probability p or less exceed with probability kFalseAlarm.
 double mostFailures(int runs, double p) {
   return boost::math::quantile(boost::math::complement(boost::math::binomial(runs, p), kFalseAlarm));
 }
@@ -32,7 +32,7 @@ rt::Corners strip(double width) { return rt::rectangle({0.4, -3, 0.5}, {width, 0
 
 double pastStrip(double width) { return reference::formFactorPastBlocker(kFloor, kCeiling, strip(width)).value; }
 
-// Returns how wide a strip leaves this share of the lines between floor and ceiling.
+// Returns the width of a strip that leaves this share of the lines between floor and ceiling.
 double widthOf(double visibility, double clear) {
   double narrow = 0, wide = 0.5;
   while (wide - narrow > 1e-9) {
@@ -43,12 +43,13 @@ double widthOf(double visibility, double clear) {
 }
 
 struct Failures {
-  int intervals = 0, smaller = 0;  // lower ends above the truth, and those of intervals a tenth smaller
+  int intervals = 0, smaller = 0;  // counts of lower ends above the truth; `smaller`: of intervals a tenth smaller
 };
 
-// A pair of 16 lines in one look. Where all of them face each other, the visibility is at least e^(-l / 16), with l =
-// ln(10 / delta). This bound is exact: a visibility just below it fails with probability delta / 10, which is all that
-// it may. One just above it never fails, but does so more often than it may where the interval is a tenth smaller.
+// A pair has 16 lines in one look. If all of them are facing, the visibility is at least e^(-l / 16), with l = ln(10 /
+// delta). This bound is exact: a visibility just below it fails with probability delta / 10, the most that is allowed.
+// A visibility just above it never fails, unless the interval is a tenth smaller: then it fails more often than
+// allowed.
 TEST(LineCoverage, IntervalsATenthTooSmallAreCaught) {
   constexpr double kDelta = 0.9, kLines = 16;
   const double clear = reference::formFactorPastBlocker(kFloor, kCeiling, rt::moved(strip(0.1), 1, {90, 0, 0})).value;
@@ -86,9 +87,9 @@ TEST(LineCoverage, IntervalsATenthTooSmallAreCaught) {
   EXPECT_GT(above.smaller, mostFailures(kAbove, kDelta / 10));
 }
 
-// Of 324 parts of a floor and 324 of a ceiling one pair has a grid of 64 slats between its two, finer than any lattice
-// of common directions. Its form factor is known by the integral past each slat, whose shadows do not overlap. Every
-// interval holds with probability 0.9999, so that the three seeds fail once in 3,000.
+// Of 324 parts of a floor and 324 parts of a ceiling, one pair has a grid of 64 slats between, finer than any lattice
+// of common directions. Its form factor is an integral past each slat, for the slats' shadows do not overlap. Every
+// interval holds with probability 0.9999, so the three seeds fail once in 3,000.
 TEST(LineCoverage, OnePairOf100000HidesBehindAGrid) {
   constexpr uint32_t kCuts = 18, kMiddle = kCuts * kCuts / 2 + kCuts / 2, kSlats = 64;
   constexpr double kHeight = 2, kEpsilon = 5e-3;
@@ -106,7 +107,7 @@ TEST(LineCoverage, OnePairOf100000HidesBehindAGrid) {
     truth -= clear - reference::formFactorPastBlocker(below, above, slat(k)).value;
     ts::addFace(input, "grid", slat(k));
   }
-  ASSERT_GT(clear - truth, 4 * kEpsilon);  // the grid cannot be overlooked within what is promised
+  ASSERT_GT(clear - truth, 4 * kEpsilon);  // the grid changes the form factor by far more than epsilon
   const Scene scene = buildScene(input);
   for (uint64_t seed = 1; seed <= 3; ++seed) {
     Request request;
@@ -122,12 +123,13 @@ TEST(LineCoverage, OnePairOf100000HidesBehindAGrid) {
     EXPECT_LE(interval.lower, truth) << seed;
     EXPECT_GE(interval.upper, truth) << seed;
     EXPECT_NEAR(result.form_factors.formFactor(low, high).value, truth, kEpsilon) << seed;
-    // The pair two columns aside is clear of it.
+    // The pair two columns aside has nothing in between.
     EXPECT_NEAR(result.form_factors.formFactor(low - 4, high - 4).value, clear, kEpsilon) << seed;
   }
 }
 
-// Above 8,000 polygons pairs with an unoccluded form factor below epsilon get no lines: any value in [0, epsilon] does.
+// Above 8,000 polygons pairs with an unoccluded form factor below epsilon get no lines: any value in [0, epsilon] is
+// right.
 TEST(LineCoverage, LargeScenesHaveLinesWhereEpsilonNeedsThem) {
   constexpr uint32_t kCuts = 64, kMiddle = kCuts * kCuts / 2 + kCuts / 2;
   constexpr double kEpsilon = 0.02;
@@ -156,7 +158,7 @@ TEST(LineCoverage, LargeScenesHaveLinesWhereEpsilonNeedsThem) {
     EXPECT_NEAR(f.formFactor(low, to).value, truth, kEpsilon) << to;
   }
   EXPECT_GT(f.interval(low, high).lower, 0);
-  // Values of pairs without lines come from common directions, so that rows add up but for these directions' errors.
+  // Values of pairs without lines come from common directions, so rows sum to 1 up to the error of these directions.
   int counted = 0;
   for (size_t k = 0; k < f.entries().size(); ++k) {
     const FormFactors::Entry& entry = f.entries()[k];

@@ -1,5 +1,6 @@
-// Tests guarantees by pair lines. Intervals hold integrals past blockers, over many seeds and in scenes made to
-// deceive. Geometry alone proves some bounds. The environment and sums over surfaces have intervals too.
+// These tests check guarantees by pair lines. Intervals hold integrals past blockers, over many seeds and in scenes
+// that are hard to sample. Geometry alone proves some bounds. The environment and sums over surfaces have intervals,
+// too.
 #include <cmath>
 
 #include <glm/glm.hpp>
@@ -34,7 +35,7 @@ Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
 const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
                   kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
-// Returns F from a to b past slats in one plane. Each slat takes away its own share, for their shadows do not overlap.
+// Returns F from a to b past slats in one plane. Each slat takes its share away, for their shadows do not overlap.
 double pastSlats(const rt::Corners& a, const rt::Corners& b, const std::vector<rt::Corners>& slats) {
   const double clear = reference::formFactorPastBlocker(a, b, rt::moved(slats[0], 1, {90, 0, 0})).value;
   double past = clear;

@@ -1,4 +1,4 @@
-// Compares the quadrature rules for line integrals of unoccluded form factors with adaptive integration.
+// These tests compare the quadrature rules for line integrals of unoccluded form factors with adaptive integration.
 #include "unoccluded/line_rules.h"
 
 #include <algorithm>

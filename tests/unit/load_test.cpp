@@ -1,4 +1,4 @@
-// Tests the readers of scene files, and the refusal of broken files.
+// These tests read scene files, and check that broken files are refused.
 #include <filesystem>
 #include <fstream>
 

@@ -101,8 +101,8 @@ TEST(NeighbourVisibility, LinesThatComeTogetherAreOne) {
   EXPECT_NEAR(shares.of(2, 3).deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6);
 }
 
-// The visibility of a pair with fewer than four lines is drawn to its neighbours' by half a line, eq. (21). A pair with
-// four lines keeps its own.
+// The visibility of a pair with fewer than four lines is averaged with its neighbours', which count as half a line, eq.
+// (21). A pair with four lines keeps the visibility of its lines.
 TEST(NeighbourVisibility, FewLinesGoWithTheirNeighbours) {
   const Ids ids = namelessIds(4);
   VisibilitySums sums(ids);

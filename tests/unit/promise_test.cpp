@@ -1,5 +1,5 @@
-// A tolerance is promised where that costs little more than an estimate: what a promise holds, when there is none, and
-// what the run says about it.
+// A tolerance is promised where this costs little more than an estimate. These tests check when there is a promise,
+// that it holds, and what the run reports about it.
 #include <algorithm>
 #include <cmath>
 
@@ -26,7 +26,7 @@ Request toleranceOf(double tolerance) {
 
 Scene street() { return loadScene(VIEWPEEL_SCENES "/street.obj"); }
 
-// Every form factor, environment too, has an interval of half the promised width at most on either side of its value.
+// Expects that every form factor, and the environment, lies within an interval of at most the promised width.
 void expectKept(const Result& result, double tolerance) {
   ASSERT_TRUE(result.guarantee);
   EXPECT_LE(result.guarantee->delta, 0.01);
@@ -35,7 +35,7 @@ void expectKept(const Result& result, double tolerance) {
   const FormFactors& f = result.form_factors;
   for (const FormFactors::Entry& entry : f.entries())
     for (const auto& [from, to] : {std::pair(entry.i, entry.j), std::pair(entry.j, entry.i)}) {
-      // From the smaller of the two: the other form factor is as much smaller as its area is larger.
+      // This is the form factor from the smaller of the two ids; the other one is smaller by the ratio of areas.
       if (from >= kEnvironment || (to < kEnvironment && f.ids().areas[from] > f.ids().areas[to])) continue;
       const Interval interval = f.interval(from, to);
       const double value = f.formFactor(from, to).value;
@@ -61,8 +61,8 @@ TEST(Promise, IntervalsAreWithinTheTolerance) {
   EXPECT_EQ(office.environment_share, 0);
 }
 
-// Of 20 seeds, each of which may fail with probability 0.01, more than 4 fail once in 40,000 runs of this test. An
-// estimate with a twentieth of the tolerance stands in for the truth.
+// Each of 20 seeds may fail with probability 0.01, so more than 4 failures occur once in 40,000 runs of this test. The
+// truth is an estimate with a twentieth of the tolerance.
 TEST(Promise, HoldsTheTruth) {
   const Scene scene = street();
   Request fine = toleranceOf(5e-4);
@@ -86,7 +86,7 @@ TEST(Promise, HoldsTheTruth) {
   EXPECT_LE(failures, 4);
 }
 
-// The default depends on numbers of pairs and lines alone, so that every machine decides alike.
+// Numbers of pairs and lines alone decide about a promise, so every machine decides alike.
 TEST(Promise, IsMadeWhereItCostsLittle) {
   const Scene scene = street();
   Request request = toleranceOf(1e-2);
@@ -99,7 +99,7 @@ TEST(Promise, IsMadeWhereItCostsLittle) {
   EXPECT_EQ(one.plan().line_guarantee->estimate_cost, three.plan().line_guarantee->estimate_cost);
   EXPECT_LE(one.plan().line_guarantee->cost, 2 * one.plan().line_guarantee->estimate_cost);
   EXPECT_EQ(std::get<EpsilonDelta>(one.request().goal).epsilon, 1e-2);
-  // A finer one takes as many lines as the error's inverse square; an estimate's lines grow more slowly.
+  // At a finer tolerance a promise takes lines as the error's inverse square; an estimate's lines grow more slowly.
   const Result fine = computeFormFactors(scene, toleranceOf(1e-3));
   EXPECT_FALSE(fine.guarantee);
   EXPECT_FALSE(fine.form_factors.hasIntervals());
@@ -146,7 +146,7 @@ TEST(Promise, IsNotMadeWhereTheRequestIsAboutEstimates) {
   EXPECT_THROW(checkRequest(request), Error);
 }
 
-// The back of a plate takes radiation: this leak has no interval, so that there is nothing to promise.
+// The back of a plate receives radiation. This leak has no interval, so nothing can be promised.
 TEST(Promise, IsNotMadeWhereLinesEndOnBacks) {
   InputScene input{"leak", {}, {}};
   ts::addFace(input, "lower", rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
@@ -161,7 +161,7 @@ TEST(Promise, IsNotMadeWhereLinesEndOnBacks) {
   EXPECT_THROW(computeFormFactors(scene, request), Error);
 }
 
-// Below what rounding leaves there is no promise, and nothing but the estimate says so.
+// Where rounding is larger than the tolerance there is no promise, and the estimate alone refuses or accepts it.
 TEST(Promise, IsNotMadeBelowRounding) {
   const Scene scene = buildScene(ts::parallelSquares());
   const Result result = computeFormFactors(scene, toleranceOf(1e-6));

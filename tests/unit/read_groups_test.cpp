@@ -44,7 +44,7 @@ TEST_F(ReadGroups, APlyFileToo) {
             "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
             "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
   const Scene scene = loadGroupedScene(ply, write("g.csv", "2,b\n1,a\n"), {});
-  ASSERT_EQ(scene.surfaces.size(), 2u);  // the file's own name has no face left
+  ASSERT_EQ(scene.surfaces.size(), 2u);  // no face of the surface with the file's name is left
   EXPECT_EQ(scene.surfaces[scene.faces[0].surface].name, "a");
   EXPECT_EQ(scene.surfaces[scene.faces[1].surface].name, "b");
 }

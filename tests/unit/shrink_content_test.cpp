@@ -1,4 +1,4 @@
-// What does not fit a page: sums by surface against sums by hand, and small form factors that are left out.
+// These tests shrink results for the page: sums by surface equal sums by hand, and small form factors are left out.
 #include <cmath>
 #include <numeric>
 
@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// Rows 0 and 1 are surface "a", row 2 is surface "b", row 3 is empty: it has no polygon.
+// Makes four rows: rows 0 and 1 are surface "a", row 2 is surface "b", row 3 is empty and has no polygon.
 ReportContent makeContent() {
   ReportContent content;
   content.names = {"a[1]", "a[2]", "b", "nothing"};
@@ -31,7 +31,7 @@ ReportContent makeContent() {
   return content;
 }
 
-// F_IJ = sum over i in I, j in J of A_i F_ij / A_I. Bounds: sums of at most three products, each rounded.
+// F_IJ is the sum over i in I, j in J of A_i F_ij / A_I. The tolerance allows for three products, each rounded.
 TEST(ShrinkContent, SurfacesHaveTheSumsOfTheirRows) {
   const ReportContent sums = addUpBySurface(makeContent());
   EXPECT_EQ(sums.names, (std::vector<std::string>{"a", "b"}));
@@ -57,7 +57,7 @@ TEST(ShrinkContent, SurfacesHaveTheSumsOfTheirRows) {
   EXPECT_NE(sums.notes[0].find("5 form factors between 4 rows do not fit a page"), std::string::npos) << sums.notes[0];
 }
 
-// A pair without an entry may then add to the sum: an interval made of the listed ones alone would promise too much.
+// Where a pair without an entry may add to a sum, the sum of the listed intervals alone would be too narrow.
 TEST(ShrinkContent, SumsHaveNoIntervalWhereUnlistedPairsMayAdd) {
   ReportContent content = makeContent();
   content.parameters = {{"unlisted_bound", "0.01"}};
@@ -84,8 +84,8 @@ TEST(ShrinkContent, TheSmallestAreLeftOutAndCounted) {
   leaveOutSmall(content, width, largest_bytes);
   EXPECT_LE(pageBytesOfEntries(content, width), largest_bytes);
   EXPECT_GT(pageBytesOfEntries(content, width),
-            largest_bytes / 2);  // no more is left out than the bound of 5 bytes asks
-  // All that stay are larger than all that go.
+            largest_bytes / 2);  // no more is left out than the bound of 5 bytes requires
+  // Every form factor that stays is larger than every one that was left out.
   double least_kept = INFINITY, largest_gone = 0, largest_sum = 0;
   for (double value : content.form_factors) least_kept = std::min(least_kept, value);
   for (int row = 0; row < count; ++row) {
@@ -108,7 +108,7 @@ TEST(ShrinkContent, TheSmallestAreLeftOutAndCounted) {
   const std::string& note = content.notes[0];
   EXPECT_EQ(note.find(std::to_string(whole.entryCount() - content.entryCount()) + " of 100000 form factors"), 0u)
       << note;
-  // The note's figures have two digits.
+  // The note's numbers have two digits.
   const double stated_sum = std::stod(note.substr(note.find("more than ") + 10));
   EXPECT_NEAR(stated_sum, largest_sum, 0.05 * largest_sum) << note;
 }
@@ -124,7 +124,7 @@ TEST(SurveyContent, ErrorsAreBoundsWhereThereAreIntervals) {
   EXPECT_EQ(statedErrors(content), content.standard_errors);
 }
 
-// Eight small triangles at the corners of a cube: a Z curve visits x first, then y, then z.
+// Eight small triangles lie at the corners of a cube. A Z curve visits x first, then y, then z.
 TEST(SurveyContent, PlacesAreInTheOrderOfAZCurve) {
   ReportContent content;
   const std::vector<int> corners = {6, 1, 7, 0, 4, 3, 5, 2};  // bits are z, y, x

@@ -1,4 +1,5 @@
-// Compares heat with bands of wavelengths with closed forms, with grey heat, and with the radiosity equation.
+// These tests compare heat with bands of wavelengths with closed forms, with grey heat, and with the radiosity
+// equation.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 
@@ -31,7 +32,7 @@ Enclosure enclosureOf(const FormFactors& f, std::vector<Material> materials) {
 
 FormFactors nested() { return te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}}); }
 
-// Two surfaces that see each other alone are a resistance in each band.
+// Two surfaces that see only each other are a resistance in each band.
 TEST(SolveBands, TwoSurfaces) {
   const std::vector<double> inner{0.9, 0.3, 0.05}, outer{0.2, 0.7, 1};
   double truth = 0;
@@ -45,7 +46,7 @@ TEST(SolveBands, TwoSurfaces) {
   EXPECT_TRUE(isWithin(found.rows[1].heat_flow.value, -truth, kSolved * truth));
   EXPECT_FALSE(isWithin(found.rows[0].heat_flow.value, truth * (1 + 1e-9), kSolved * truth));  // negative control
   EXPECT_LE(std::abs(found.balance_residual), kSolved * truth);
-  // The same heat given in place of either temperature gives the temperature.
+  // If the heat is given in place of either temperature, the solution is this temperature.
   const HeatSolution hot =
       solveHeat(f, enclosureOf(f, {withBands(te::flux(1, truth), inner), withBands(te::hot(1, 400), outer)}));
   EXPECT_TRUE(isWithin(hot.rows[0].temperature.value, 900, 900 * kSolved));
@@ -55,11 +56,11 @@ TEST(SolveBands, TwoSurfaces) {
   EXPECT_EQ(cold.rows[1].heat_flux.value, -truth / 2.5);
 }
 
-// A triangular duct with sides 3, 4, 5, one of them adiabatic: crossed strings.
+// Returns a triangular duct with sides 3, 4, 5, one of them adiabatic. Crossed strings give its form factors.
 FormFactors duct() { return te::formFactors({3, 4, 5}, {{0, 1, {1, 0}}, {0, 2, {2, 0}}, {1, 2, {3, 0}}}); }
 
-// The temperature of an adiabatic row depends on emissivities here, and is checked by the equation of the paper,
-// (I - R F) B = E, by LU, band by band.
+// The temperature of an adiabatic row depends on emissivities here. It is checked by the radiosity equation (I - R F) B
+// = E, by LU, band by band.
 TEST(SolveBands, AnAdiabaticRowKeepsTheRadiosityEquation) {
   const std::vector<std::vector<double>> emissivities{{0.9, 0.2, 0.5}, {0.4, 0.8, 0.1}, {0.05, 0.6, 0.95}};
   const FormFactors f = duct();
@@ -107,7 +108,7 @@ TEST(SolveBands, AlikeBandsAreGrey) {
   for (size_t i = 0; i < 3; ++i)
     for (const auto of : {&HeatRow::temperature, &HeatRow::radiosity, &HeatRow::irradiation, &HeatRow::heat_flux}) {
       const Measured value = found.rows[i].*of, exact = truth.rows[i].*of;
-      // A heat flux off by 1e-12 of all emission moves emissive powers by that over the emissivity.
+      // A heat flux that is off by 1e-12 of all emission changes emissive powers by this over the emissivity.
       EXPECT_TRUE(isWithin(value.value, exact.value, kSolved * te::power(700) / 0.05)) << i;
       EXPECT_TRUE(isWithin(value.standard_error, exact.standard_error, 1e-6 * exact.standard_error + 1e-9)) << i;
     }

@@ -1,5 +1,5 @@
-// Tests bounds of heat flows and temperatures that follow from intervals of form factors. They hold for every matrix
-// within the intervals.
+// These tests check bounds of heat flows and temperatures that follow from intervals of form factors. They hold for
+// every matrix within the intervals.
 #include <random>
 
 #include <gtest/gtest.h>

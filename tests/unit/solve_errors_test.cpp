@@ -1,5 +1,5 @@
-// Compares standard errors of heat flows and temperatures with finite differences, with the spread of random draws, and
-// with the coverage of intervals.
+// These tests compare standard errors of heat flows and temperatures with finite differences, with the spread of random
+// draws, and with the coverage of intervals.
 #include <random>
 
 #include <gtest/gtest.h>
@@ -106,7 +106,7 @@ HeatSolution solveRows(const FormFactors& f, const std::optional<EnvironmentPart
 
 HeatSolution solve(const FormFactors& f) { return solveRows(f); }
 
-// Returns shares of the part above with errors that rows have in common, of three replicates.
+// Returns shares of the part above the horizon. Their errors, of three replicates, are correlated between rows.
 EnvironmentParts randomParts(double error) {
   std::mt19937_64 random(9);
   std::uniform_real_distribution<double> uniform(0.1, 0.9);
@@ -153,8 +153,8 @@ TEST_P(SolveErrors, EqualCentralDifferences) {
   EXPECT_GT(largest, 1e-4);  // something was compared
 }
 
-// Sky and ground apart: entries moved by their standard errors, and shares by what each replicate has in their errors.
-// The same with bands of wavelengths.
+// With sky and ground, entries move by their standard errors, and shares by each replicate's contribution to their
+// errors. Bands of wavelengths are tested in the same way.
 TEST(SolveErrors, SkyAndGroundEqualCentralDifferences) {
   for (const int kind : {0, 1, 2, 3}) {
     const bool is_rest = kind % 2 == 1, bands = kind / 2 == 1;
@@ -184,7 +184,7 @@ TEST(SolveErrors, SkyAndGroundEqualCentralDifferences) {
     }
     for (size_t a = 0; a < answers.size(); ++a) {
       const double truth = std::sqrt(variances[a]);
-      // With bands temperatures are found to 1e-10 K, which differences show, and responses to 1e-7.
+      // With bands, temperatures are found to 1e-10 K, which differences show, and responses to 1e-7.
       EXPECT_TRUE(isWithin(answers[a].standard_error, truth, 1e-5 * truth + (bands ? 1e-7 : 1e-9))) << "answer " << a;
     }
     for (size_t a = 0; a < 3; ++a) EXPECT_GT(answers[a].standard_error, 1e-4);  // outside, above, below
@@ -193,7 +193,7 @@ TEST(SolveErrors, SkyAndGroundEqualCentralDifferences) {
   }
 }
 
-// Shares alone are uncertain: their errors need no random signs, so that probes have the inverse's to 1e-7, the
+// If only shares are uncertain, their errors need no random signs. So probes have the inverse's errors to 1e-7, the
 // residual of rough solutions.
 TEST(SolveErrors, ProbesOfSkyAndGroundAreTheInverse) {
   const FormFactors f = RandomRows(true, true, 0).formFactors();
@@ -219,7 +219,7 @@ TEST(SolveErrors, ProbesOfSkyAndGroundAreTheInverse) {
   }
 }
 
-// Bands: as ProbesComeToTheInverse.
+// With bands the test is the same as ProbesComeToTheInverse.
 TEST(SolveErrors, ProbesOfBandsComeToTheirSources) {
   const FormFactors f = RandomRows(true, true, 1e-3).formFactors();
   const ClosedExchange closed = closeRows(f);

@@ -1,4 +1,4 @@
-// Compares heat flows and temperatures with closed forms, from exact form factors and from computed ones.
+// These tests compare heat flows and temperatures with closed forms, from exact form factors and from computed ones.
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// Tests the reader of material files, which row gets which material, refusals, and the file of answers.
+// These tests check the reader of material files, which row gets which material, refusals, and the file of answers.
 #include <filesystem>
 #include <fstream>
 #include <sstream>
@@ -76,7 +76,7 @@ TEST_F(SolveMaterials, BandsAreRead) {
   EXPECT_EQ(table.band_limits_um, (std::vector<double>{2.5, 8}));
   EXPECT_EQ(table.lines[0].material.band_emissivities, (std::vector<double>{0.1, 0.5, 0.9}));
   EXPECT_EQ(table.environment_temperature, 280);
-  // One band is all wavelengths: grey.
+  // A single band holds all wavelengths, so rows are grey.
   const MaterialTable grey = read("surface,emissivity:0-inf,temperature,heat_flux\na,0.3,300,\n");
   EXPECT_TRUE(grey.band_limits_um.empty());
   EXPECT_EQ(grey.lines[0].material.emissivity, 0.3);
@@ -151,7 +151,8 @@ TEST_F(SolveMaterials, RowsFindTheirLines) {
   const Enclosure enclosure = assignMaterials(table, ids, names);
   std::vector<double> emissivities;
   for (const Material& material : enclosure.materials) emissivities.push_back(material.emissivity);
-  // The surface named w* has its own line. That line also fits the walls as a wildcard, and is the last that does.
+  // The surface named w* has a line with its exact name. As a wildcard that line also matches the walls, and is the
+  // last that does.
   EXPECT_EQ(emissivities, (std::vector<double>{0.5, 0.6, 0.6, 0.6, 0.1}));
   const MaterialTable faces = read(kHeader + "*[2],0.4,1,\nwall_south,0.3,1,\nwall_south[1],0.2,1,\n*,0.1,1,\n");
   const Enclosure of_faces = assignMaterials(faces, ids, names);

@@ -1,4 +1,4 @@
-// Tests solveScene(), which goes from a scene to heat in one call, and its tolerances of answers.
+// These tests check solveScene(), which goes from a scene to heat in one call, and its tolerances of answers.
 #include <gtest/gtest.h>
 
 #include "scenes/named_scenes.h"

@@ -1,4 +1,5 @@
-// Tests the adapter for View3D, a rival in the bench: the input file that it writes and the output file that it reads.
+// These tests check the adapter for View3D, a rival in the bench: the input file it writes and the output file it
+// reads.
 #include "bench/rivals/view3d.h"
 
 #include <filesystem>
