@@ -113,7 +113,7 @@ std::string describe(const Place& place, const Ladder& ladder) {
                      std::thread::hardware_concurrency());
 }
 
-// Climbs a ladder and prints its rows. Returns the seconds of the first run, 0 where it was refused.
+// Runs one method with growing work, and prints a row a run. Returns the first run's seconds, or 0 if it was refused.
 double climb(const Ladder& ladder, const std::string& scene_name, const std::vector<double>& areas,
              const ReferenceMatrix& reference, uint64_t round, const Place& place, const Options& options) {
   double first_seconds = 0;

@@ -230,7 +230,7 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
     ladders.push_back({method, parameters, "directions", method != "exact" && !method.starts_with("host"),
                        climbBy(first, 4, 1u << 22), [=] { return viewpeel->runner(engines, sampler, unoccluded); }});
   };
-  std::vector<Ladder::Rung> tolerances;  // the error of lattices falls as the square root of time
+  std::vector<Ladder::Rung> tolerances;  // time is taken as proportional to 1 / tolerance
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
     tolerances.push_back({tolerance, 1 / tolerance});
   // Rougher tolerances take common directions, and in many scenes longer than the first one by pair lines.

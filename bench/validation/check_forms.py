@@ -1,9 +1,9 @@
 """Compares every closed form with a numerical integral that uses none of them.
 
-Rays: points uniform over the emitting shape, directions by the cosine law, both of scrambled Sobol' points; the form
-factor is the share of rays whose first hit among the true shapes is the target. Replicates give a standard error.
-Pairs of flat shapes with nothing between: Lambert's formula for the target seen from a point, integrated over the
-emitter by Gauss rules on cells that shrink towards its edges; two rules give the error. Small values need that.
+Rays start at points uniform over the emitting shape and follow the cosine law, both of scrambled Sobol' points. The
+form factor is the share of rays whose first hit among the true shapes is the target. Replicates give a standard error.
+For pairs of flat shapes with nothing between, Lambert's formula for the target seen from a point is integrated over the
+emitter. Gauss rules do so on cells that shrink towards its edges; two rules give the error. Small values need this.
 """
 import math
 
@@ -30,7 +30,7 @@ def by_rays(case, log2_rays, seed=1):
             points, normals = np.empty((len(numbers), 3)), np.empty((len(numbers), 3))
             for k, name in enumerate(emitters):
                 points[chosen == k], normals[chosen == k] = source[name].sample(numbers[chosen == k, 0], numbers[chosen == k, 1])
-        # Any two vectors that complete the normal to a frame.
+        # first and second complete the normal to a frame.
         other = np.where(np.abs(normals[:, [2]]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
         first = np.cross(other, normals)
         first /= np.linalg.norm(first, axis=1)[:, None]

@@ -96,13 +96,13 @@ def annuli(inner, outer, to_inner, to_outer, distance):
 
 
 def cylinder_to_itself(radius, height):
-    """Inside, Howell's catalogue"""
+    """Returns F from the inner side of a cylinder to itself: Howell's catalogue."""
     h = height / (2 * radius)
     return 1 + h - sqrt(1 + h * h)
 
 
 def cylinder_base_to_side(radius, height):
-    """Inside, Howell's catalogue"""
+    """Returns F inside a cylinder from its base to its side: Howell's catalogue."""
     h = height / (2 * radius)
     return 2 * h * (sqrt(1 + h * h) - h)
 

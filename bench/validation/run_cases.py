@@ -115,8 +115,8 @@ def judge_flat(case, answer):
 
 def judge_round(case, answers):
     """The error of n pieces is a n^-2 + b n^-4 + ..., for shapes are smooth and corners lie on them. Richardson's step
-    (4 F(2n) - F(n)) / 3 leaves 1/4 of -b n^-4; the step before leaves 16 times as much, so that the two differ by 15 times
-    the error of the finer one: their difference is the bound of what is left of the pieces. Errors stated come on top."""
+    (4 F(2n) - F(n)) / 3 leaves 1/4 of -b n^-4. The step before leaves 16 times as much, so that the two steps differ by 15
+    times the error of the finer one. Their difference is the bound of the pieces' error. Errors stated come on top."""
     ratio = [b / a for a, b in zip(case.levels, case.levels[1:])]
     steps = [fine.value + (fine.value - coarse.value) / (r * r - 1) for coarse, fine, r in zip(answers, answers[1:], ratio)]
     weight = 1 / (ratio[-1] ** 2 - 1)

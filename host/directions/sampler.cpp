@@ -74,7 +74,7 @@ uint32_t reverseBits(uint32_t x) {
   return reversed;
 }
 
-// Returns the second coordinate of a point of Sobol's sequence, times 2^32. Its direction numbers are those of the
+// Returns the second coordinate of a point of Sobol's sequence, times 2^32. Its direction numbers follow from the
 // polynomial x + 1.
 uint32_t sobolSecond(uint32_t index) {
   uint32_t x = 0;

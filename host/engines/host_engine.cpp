@@ -145,10 +145,10 @@ std::string HostEngine::describePlan() const {
 // Scanlines reach an rms error of 1e-4 in half the time of lattice points in the office (576 polygons), and take twice
 // their time in a room of 9,984 polygons. This number of polygons lies between the two.
 constexpr size_t kScanlinePolygons = 2400;
-// With a prior, scanlines are still ahead in the office refined to 9,280 polygons: after the same time their rms error
-// is smaller by 5 to 25 %, and their largest error is a quarter of that of lattice points.
+// With a prior, scanlines are still better in the office refined to 9,280 polygons. After the same time their rms error
+// is smaller by 5 to 25 %, and their largest error is a quarter of lattice points' largest error.
 constexpr size_t kScanlinePolygonsWithPrior = 10'000;
-// Smallest area of a row, in unit-ball units squared, that scanlines in windows still meet often enough (plan.cpp).
+// Smallest area of a row, in unit-ball units squared, that scanlines in windows hit often enough (estimator/plan.cpp).
 constexpr double kScanlineArea = 1e-10;
 
 }  // namespace

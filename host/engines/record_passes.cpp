@@ -24,7 +24,7 @@ namespace {
 
 constexpr uint32_t kSceneTexels = 3, kTileTexels = 5;  // texel buffers of passes over the scene, and over tiles
 
-// PassGroups are the workgroups of a dispatch: x by y, or those that earlier passes have written into BatchStatus.
+// PassGroups are the workgroups of a dispatch: x by y, or as many as earlier passes have written into BatchStatus.
 struct PassGroups {
   uint32_t x = 0, y = 1;
   std::optional<size_t> in_status = std::nullopt;  // offset in BatchStatus, in bytes

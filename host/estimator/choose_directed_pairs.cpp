@@ -184,7 +184,7 @@ class RunWork {
           const CommonPilots& pilots, const EstimateOptions& options)
       : sampler_(sampler), needs_(needs), options_(options) {
     const double polygons = double(ids.of_polygon.size());
-    // lattice points that all faces cover along a direction, by a mean projection of half a face's area
+    // The number of lattice points on all faces along one direction. A face's mean projection is half its area.
     double points = 0;
     for (uint32_t k = 0; k < ids.count(); ++k)
       points += ids.areas[k] / (2 * pilots.count_area * double(prior.lines[k]));

@@ -156,7 +156,7 @@ class GuaranteePlanner {
     return plan;
   }
 
-  // Sets the numbers of directions that hold without any sample: those of Hoeffding's bound, of Lemma 1, and of the
+  // Sets the numbers of directions that suffice without any sample, by Hoeffding's bound, by Lemma 1, and for the
   // median.
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;

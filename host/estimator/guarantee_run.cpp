@@ -17,7 +17,7 @@ std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const
   return merged;
 }
 
-// Replaces the mean of every form factor by its median over the runs. Standard errors are those of normal errors: the
+// Replaces the mean of every form factor by its median over the runs. Standard errors assume normal errors: the
 // variance of a median is pi / 2 times the variance of a mean. Row sums stay sums of means.
 FormFactors medianOf(const std::vector<PairCounts>& runs, const FormFactors& means, double measure_area) {
   std::vector<FormFactors::Entry> entries = means.entries();

@@ -36,7 +36,7 @@ Ids readIds(Hdf5Input& in, const StoredRows& rows) {
   return ids;
 }
 
-// Returns the names of surfaces: those of the geometry, or without a geometry those in the names of rows.
+// Returns the names of surfaces, by the geometry if there is one, and otherwise by the names of rows.
 std::vector<std::string> readSurfaces(Hdf5Input& in, Ids& ids) {
   ids.surface.assign(ids.count(), 0);
   if (in.has("geometry")) {

@@ -115,7 +115,7 @@ void addRows(Hdf5Output& out, const OutputContent& content) {
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
 }
 
-// Adds the answers of `solve`. Its rows are those of the form factors.
+// Adds the answers of `solve`, one for each row of the form factors.
 void addHeat(Hdf5Output& out, const Ids& ids, const HeatSolution& heat) {
   const auto add = [&](const std::string& name, const std::string& unit, auto valueOf) {
     std::vector<double> values(ids.count());

@@ -105,7 +105,7 @@ class Dropped {
   std::map<std::string, std::pair<uint64_t, std::string>> reasons_;
 };
 
-// Gives every face and surface of the file its row. Those that take no part get empty rows.
+// Gives every face and surface of the file its row. Surfaces that take no part get empty rows.
 //   In: is_left_out: bool[face of the file]
 void addRows(const InputScene& input, const std::vector<bool>& is_left_out, Scene& scene) {
   constexpr uint32_t kNone = UINT32_MAX;

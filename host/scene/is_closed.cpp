@@ -12,7 +12,7 @@ namespace {
 
 using Key = std::tuple<double, double, double>;
 using EdgeCounts = std::map<std::pair<Key, Key>,
-                            int>;  // polygons that run along an edge from its smaller end, minus those that run back
+                            int>;  // polygons that run along an edge from its smaller end, minus polygons that run back
 
 Key keyOf(const glm::dvec3& p) { return {p.x, p.y, p.z}; }
 glm::dvec3 pointOf(const Key& k) { return {std::get<0>(k), std::get<1>(k), std::get<2>(k)}; }

@@ -126,8 +126,8 @@ void Stacking::orderPlaces() {
     if (overlaps_[k].is_opposite && overlaps_[k].side == 0) orderPlace(places_[place_of_[k]]);
 }
 
-// Returns how strongly observations contradict an order of a place's polygons along its normal: votes of the space on
-// either side, the rule that free space and solids alternate, the order of pairs elsewhere, and gaps.
+// Returns how strongly observations contradict an order of a place's polygons along its normal. Observations are votes
+// of the space on either side, the rule that free space and solids alternate, the order of pairs elsewhere, and gaps.
 double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, const Votes& below,
                         const Votes& above) const {
   const auto looksUp = [&](uint32_t polygon) { return glm::dot(normals_[polygon], place.normal) > 0; };

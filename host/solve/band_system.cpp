@@ -98,8 +98,8 @@ VectorXd BandSystem::excess() const {
   return excess;
 }
 
-// Guesses temperatures for Newton's method: those of a grey enclosure, with emissivities averaged over black emission
-// at the reference temperature.
+// Guesses temperatures for Newton's method: temperatures of a grey enclosure, with emissivities averaged over black
+// emission at the reference temperature.
 void BandSystem::guessTemperatures() {
   const auto n = temperatures_.size();
   const double reference = referenceTemperature(closed_, enclosure_);

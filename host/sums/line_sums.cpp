@@ -14,7 +14,7 @@ constexpr double kUnoccludedError = 1e-6;  // relative error of unoccluded excha
 // The variance from N scrambled Sobol' points is this factor times (N / 16)^-1/4 of that from N independent lines. It
 // was measured: docs/accuracy.md.
 constexpr double kEvenness = 1;
-// In eq. (47) the variance expected by chance has this many degrees of freedom, beside those of the replicates.
+// The variance expected by chance in eq. (47) has this many degrees of freedom; the replicates' degrees are added.
 constexpr double kChanceDegrees = 5;
 
 // Returns a b / 2^8, with both rounded down to multiples of 2^4; see PairSum.

@@ -1,4 +1,4 @@
-"""Heat flows and temperatures of grey, diffuse surfaces."""
+"""Computes heat flows and temperatures of grey, diffuse surfaces from form factors."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Heat:
     follow from the form factors' errors. NAME_bounds are bounds on the errors, which hold together with the probability
     of the form factors' guarantee; None without a guarantee. name, area and emissivity describe the rows.
 
-    With by_surface=False rows are those of the form factors, with True they are sums and means over surfaces.
+    With by_surface=False rows are the rows of the form factors, with True they are sums and means over surfaces.
     """
 
     def __init__(self, held: _core.Heat, by_surface: bool):

@@ -78,7 +78,7 @@ def _from_meshio(mesh: Any) -> Polygons:
 
 
 def _from_trimesh(mesh: Any) -> Polygons:
-    """A Trimesh is one surface; a Scene has one for each node."""
+    """Makes polygons of trimesh: a Trimesh is one surface, and a Scene has one for each node."""
     if hasattr(mesh, "geometry") and hasattr(mesh, "graph"):
         points, faces, names, passed = [], [], [], 0
         for node in mesh.graph.nodes_geometry:

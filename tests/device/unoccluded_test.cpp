@@ -175,7 +175,7 @@ bool areWhole(const CornerPair& pair) {
   return isBefore(pair.a, pair.b) && isBefore(pair.b, pair.a);
 }
 
-// The bound of the product rule is relative. It holds in every direction, also for thin, skew and grazing shapes.
+// The product rule's bound, of the relative error, holds for pairs all around, also of thin, skew and grazing shapes.
 TEST_P(Unoccluded, FarPairsToRelativeError) {
   constexpr uint64_t kSeed = 44;
   Random random(kSeed);

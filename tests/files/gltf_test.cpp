@@ -186,7 +186,7 @@ TEST_F(Gltf, StripsAndFansAreTriangles) {
                                     "\"POSITION\":0}},\"indices\":1}},{{\"mode\":1}}]}}],\"nodes\":[{{\"mesh\":0}}]}}",
                                     indices, mode)));
     ASSERT_EQ(scene.faces.size(), 2u);
-    EXPECT_EQ(scene.warnings.size(), 1u);  // about the lines
+    EXPECT_EQ(scene.warnings.size(), 1u);  // The warning says that lines were left out.
     EXPECT_EQ(scene.surface_names, std::vector<std::string>{"node 0"});
     const glm::dvec3 a(0, 0, 0), b(1, 0, 0), c(0, 1, 0), d(1, 1, 0);
     EXPECT_EQ(scene.faces[0].corners, (std::vector<glm::dvec3>{a, b, c}));

@@ -54,7 +54,7 @@ TEST_F(Meshes, GmshWritesThemInEveryVersion) {
         const Scene scene = buildScene(input, millimetres);
         const Ids ids = makeIds(scene, By::surface, false);
         ASSERT_EQ(ids.names, (std::vector<std::string>{"walls x", "walls y", "physical 7"})) << name;
-        // text has 16 digits
+        // The files' text has 16 digits.
         EXPECT_NEAR(ids.areas[0], 12, 1e-11) << name;
         EXPECT_NEAR(ids.areas[1], 6, 1e-11) << name;
         EXPECT_NEAR(ids.areas[2], 4, 1e-11) << name;

@@ -139,7 +139,7 @@ TEST(ClosedForm, BlockersTakeWhatTheyHide) {
   EXPECT_EQ(e.form_factors.entries().size(), 1u);
 }
 
-// A question may name one face of a surface by polygon, but not by surface.
+// A question may name one face of a surface if rows are polygons, but not if rows are surfaces.
 TEST(ClosedForm, AFaceOfASurface) {
   const Scene scene = buildScene(ts::roomWithTouchingBoxes());
   Ids ids = makeIds(scene, By::polygon, false);

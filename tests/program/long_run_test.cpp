@@ -170,7 +170,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreResumed) {
   }
 }
 
-// A checkpoint that does not fit is refused in one line with status 2, and the file does not change.
+// A checkpoint that is damaged, or of another run, is refused in one line with status 2. The file does not change.
 TEST_F(LongRun, WrongCheckpointsAreRefused) {
   std::ofstream(file("scene.obj"))
       << "o a\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\no b\nv 0 0 1\nv 0 1 1\nv 1 0 1\nf 4 5 6\n";

@@ -115,7 +115,7 @@ test('the matrix is drawn in the order of places, and each cell has its form fac
       rowNames.add(pair.split(' to ')[0]);
       assert.equal(value === '0 or none', !of.has(pair), pair);
       assert.equal(filled[down * size + across], of.has(pair), pair);
-      // the picture's values are floats, shown with four digits
+      // The picture's values are floats, shown with four digits.
       if (of.has(pair)) assert.ok(Math.abs(Number(value) / of.get(pair) - 1) <= 5e-4 + 2 ** -24, `${pair}: ${value}`);
     }
   assert.deepEqual([...rowNames].sort(), [...names].sort());

@@ -37,7 +37,7 @@ TEST(DropBelow, RowsKeepWhatWasLeftOut) {
   EXPECT_DOUBLE_EQ(result.dropped.sums[1].value, 0.002);
   EXPECT_DOUBLE_EQ(result.dropped.sums[2].value, 0.0004 + 0.001);
   EXPECT_DOUBLE_EQ(result.dropped.sums[2].standard_error, std::hypot(3e-5, 1e-4));
-  // The row sums are those of the whole matrix.
+  // The row sums are sums over the whole matrix.
   EXPECT_EQ(result.kept.rowSums()[2].value, 0.7);
 }
 

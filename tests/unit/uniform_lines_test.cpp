@@ -20,7 +20,7 @@ namespace ts = test_scenes;
 namespace rt = reference::test;
 using glm::dvec3;
 
-// A correct value fails at 5.5 standard errors once in 2.6e7.
+// The error of a correct value exceeds 5.5 standard errors once in 2.6e7.
 constexpr double kStandardErrors = 5.5;
 
 Scene sceneOf(const std::vector<rt::Corners>& faces) {
