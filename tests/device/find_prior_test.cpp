@@ -130,8 +130,8 @@ double truthPastTheBlocker() {
 
 // Partly blocked pairs are unbiased, and have less error than by counts alone. Their 95 % intervals hold the truth in
 // 95 of 100 runs, within four standard deviations of the binomial law.
-TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
-  const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24);
+void requireThatPartlyBlockedPairsAreSampledWell(Sampling sampling) {
+  const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24, sampling);
   const double truth = truthPastTheBlocker();
   constexpr int kSeeds = 60;
   const double t = quantile(complement(boost::math::students_t(7), 0.025));
@@ -154,24 +154,9 @@ TEST(FindPrior, PartlyBlockedPairsAreSampledWell) {
   EXPECT_LT(2.3 * squares, plain_squares);
 }
 
-// The same holds for scanlines, which count lengths.
-TEST(FindPrior, PartlyBlockedPairsByScanlines) {
-  const PriorScene made = makePriorScene(ts::squaresPastABlocker(), 24, Sampling::scanline);
-  const double truth = truthPastTheBlocker();
-  double squares = 0, plain_squares = 0;
-  for (uint64_t seed = 1; seed <= 12; ++seed) {
-    const EstimateOptions options{.directions = 64, .seed = seed};
-    const Measured f = made.estimate(options).form_factors.formFactor(0, 1);
-    EXPECT_TRUE(isEstimateOf(f, truth, options.replicates)) << seed;
-    squares += std::pow(f.value - truth, 2);
-    plain_squares += std::pow(
-        estimateFormFactors(*made.engine, made.scene, made.ids, options).form_factors.formFactor(0, 1).value - truth,
-        2);
-  }
-  // The test asks only for a smaller error: for F(12, 12) a factor of 7.0 would be needed to prove one with probability
-  // 0.999. With scanlines directions err most, and they gain less than lattice points do above.
-  EXPECT_LT(squares, plain_squares);
-}
+TEST(FindPrior, PartlyBlockedPairsAreSampledWell) { requireThatPartlyBlockedPairsAreSampledWell(Sampling::lattice); }
+
+TEST(FindPrior, PartlyBlockedPairsByScanlines) { requireThatPartlyBlockedPairsAreSampledWell(Sampling::scanline); }
 
 // Two squares see only each other. The environment is the rest of the row, and more exact than by counts alone.
 TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
