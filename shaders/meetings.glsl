@@ -14,7 +14,7 @@ struct Party {
 
 // Parties are the places [nearer, nearer_end) and [farther, farther_end) of two groups of parties, and their tile.
 struct Parties {
-  uint nearer, nearer_end;  // no more than there are invocations
+  uint nearer, nearer_end;  // at most one for each invocation
   uint farther, farther_end;
   uint direction, weight;  // index and weight of the tile's direction
   ivec2 corner;            // the tile's least lattice column and row

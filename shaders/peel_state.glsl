@@ -14,7 +14,7 @@ layout(constant_id = 9) const uint kTileWidth = 8u;         // lattice columns
 layout(constant_id = 10) const bool kSorted = false;
 layout(constant_id = 11) const bool kTwoSided = false;
 layout(constant_id = 12) const bool kCountsBlocked = false;
-// Lattice points have fragments, see enter.comp, beside the polygons of their tile.
+// Small polygons are fragments at lattice points (see enter.comp), beside the polygons listed for tiles.
 layout(constant_id = 13) const bool kFragments = false;
 layout(constant_id = 14) const uint kTileRows = 8u;
 layout(constant_id = 15) const int kColumnBits = 0;                // columns are in units of 2^-kColumnBits spacings

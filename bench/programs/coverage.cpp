@@ -60,7 +60,7 @@ struct Options {
   DeviceOptions device;
 };
 
-// RememberingEngine counts each replicate once, although several rules ask for it.
+// RememberingEngine counts each replicate once, and gives the counts again to every stopping rule.
 class RememberingEngine : public Engine {
  public:
   explicit RememberingEngine(Engine& engine) : engine_(engine) {}

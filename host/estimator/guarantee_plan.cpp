@@ -19,8 +19,8 @@ namespace {
 constexpr double kFinestResolution = 1 << 14;
 constexpr double kBaseShare = 0.9;  // The first group's resolution is fine enough for this share of the area.
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
-constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // the plan tries lattices for each of these ranges M
-constexpr std::array kBlockDirections = {1u, 4u, 16u};     // the plan tries blocks of these numbers of directions
+constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // A range is the most that a direction adds to an F.
+constexpr std::array kBlockDirections = {1u, 4u, 16u};     // numbers of directions of a block
 constexpr uint32_t kPriorPilotDirections = 1024;
 constexpr uint64_t kFewestBlocks = 8;  // fewer blocks do not give a standard error
 // If a lattice takes more than this multiple of the best time so far, finer lattices are not tried.
@@ -124,7 +124,7 @@ class GuaranteePlanner {
   GuaranteePlan planFor(double range) const {
     GuaranteePlan plan = makeLattices(range);
     findDirections(plan);
-    // The first count compiles and tunes kernels.
+    // The first count compiles and tunes kernels, so its time does not count.
     secondsOf(plan, kPilotDirections);
     if (options_.statistic == Statistic::median) {
       const double direction_seconds = secondsOf(plan, kPilotDirections) / kPilotDirections;

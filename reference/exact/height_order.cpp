@@ -70,7 +70,7 @@ int HeightOrder::compareHeights(uint32_t a, uint32_t b, const glm::dvec2& point)
             rational(plane.normal[j]) * rational(point.y)) /
            along;
   };
-  // Both heights are u_k times the parameter along u.
+  // height() is the height along u, times u_k.
   return cmp(height(a), height(b)) * (u[k] > 0 ? 1 : -1);
 }
 

@@ -158,7 +158,7 @@ TEST(FindPrior, PartlyBlockedPairsAreSampledWell) { requireThatPartlyBlockedPair
 
 TEST(FindPrior, PartlyBlockedPairsByScanlines) { requireThatPartlyBlockedPairsAreSampledWell(Sampling::scanline); }
 
-// Two squares see only each other. The environment is the rest of the row, and more exact than by counts alone.
+// Two squares see only each other. F to the environment is the rest of the row, and more exact than by counts alone.
 TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
   const PriorScene made = makePriorScene(ts::parallelSquares(), 16);
   const EstimateOptions options{.directions = 400};
@@ -170,8 +170,8 @@ TEST(FindPrior, WhatLeavesTheSceneIsExactBesideExactPairs) {
   EXPECT_LT(f.standard_error, plain.standard_error);
 }
 
-// With eight lines in all most pairs are not met. A pair without lines has the neighbours' visibility with its spread.
-// If a pair has blocked lines alone, its standard error is at most the distance to its unoccluded form factor.
+// With eight lines in all, most pairs get none. A pair without lines has the neighbours' visibility with its spread. If
+// a pair has blocked lines alone, its standard error is at most the distance to its unoccluded form factor.
 TEST(FindPrior, UnmetPairsAreUncertain) {
   const PriorScene made = makePriorScene(ts::roomWithTouchingBoxes(), 4);
   const EstimateOptions options{.directions = 1, .replicates = 2};

@@ -58,7 +58,7 @@ TEST_P(Unoccluded, SidesEqualFlippedPolygons) {
   EXPECT_TRUE(makeExchange(scene).compute(requested, areas).empty());
   for (size_t k = 0; k < requested.size(); ++k) {
     const double area_a = scene.polygons[requested[k].i / 2].area, area_b = scene.polygons[requested[k].j / 2].area;
-    // The reference is the form factor from a.
+    // truths[k] is the form factor from a.
     const double allowed =
         std::max(kUnoccludedRelativeError * truths[k] * area_a, kUnoccludedAbsoluteError * std::min(area_a, area_b));
     EXPECT_LE(std::abs(areas[k] - truths[k] * area_a), allowed + reference::kContourError * area_a) << "pair " << k;

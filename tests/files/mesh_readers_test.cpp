@@ -86,7 +86,7 @@ TEST_F(Meshes, GmshFilesThatAreNoneAreRefused) {
             ": the mesh is big-endian; save it as text");
 }
 
-// VTK's own writers write a square and a triangle in every encoding. A line before them is a cell as well.
+// VTK's own writers write a line, a square and a triangle in every encoding. The line counts as a cell, too.
 constexpr const char* kWriteVtk = R"(
 import vtk
 points = vtk.vtkPoints()

@@ -47,7 +47,7 @@ constexpr const char* kRadiosity =
 
 class OpenFoam : public FoamCase {
  protected:
-  // `rows`: folder, wall and fine faces within the wall of each coarse face, in the order in which OpenFOAM counts.
+  // `rows` has folder, wall and the wall's fine faces of each coarse face, in OpenFOAM's order of coarse faces.
   std::string rowsOf(const std::string& form_factors) const {
     std::string rows = "rows = [";
     for (const FoamRank& rank : readFoamCase(folder_)) {

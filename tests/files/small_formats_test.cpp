@@ -214,7 +214,7 @@ assert found[0] < 0.01 < 1 < found[1], found
 )");
 }
 
-// The diagonal takes the lack of a row. It does not take the radiation that leaves an open scene.
+// The diagonal F_ii takes what a row lacks, except for the radiation that leaves an open scene.
 TEST_F(SmallFormats, SyrthesDiagonalIsWithoutTheEnvironment) {
   const FormFactors f = randomFormFactors(unequalRows(4), 23);
   writeFormFactors(f, folder_ / "mesh.fdf");

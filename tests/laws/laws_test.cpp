@@ -22,7 +22,7 @@ TEST(Laws, ReciprocityToTheLastBit) {
   for (uint32_t i = 0; i < f.ids().count(); ++i)
     for (uint32_t j = 0; j < f.ids().count(); ++j) {
       EXPECT_EQ(f.exchangeArea(i, j).value, f.exchangeArea(j, i).value);
-      // Form factors are the nearest doubles to this number over the areas.
+      // A form factor is this exchange area over the row's area, rounded once.
       EXPECT_EQ(f.formFactor(i, j).value, f.exchangeArea(j, i).value / areas[i]);
     }
 }

@@ -162,9 +162,9 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
 }
 
-// Sums of a run with priors add up to the bytes of one run: control variates are integers, and all parts have the same
-// visibilities. Unoccluded form factors may differ in the last bits from device to device. In any order of files the
-// first replicate's values are kept.
+// Merged parts of a run with priors have the bytes of one run: control variates are integers, and all parts have the
+// same visibilities. Unoccluded form factors may differ in the last bits from device to device. In any order of files
+// the first replicate's values are kept.
 TEST_F(CheckpointFile, ControlsAddUpToOneRun) {
   const auto sumsWithPrior = [&](const std::vector<uint64_t>& replicates, uint32_t one_visibility = 0,
                                  uint32_t directions = 16) {

@@ -124,7 +124,7 @@ TEST(Environment, AnAdiabaticPlateHasTheMeanOfSkyAndGround) {
   EXPECT_TRUE(isEstimateOf(found.heat.to_down->value, found.heat.to_down->standard_error,
                            (1 - share) * (truth - te::power(300))));
   EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9);
-  // If both temperatures are equal, separate parts make no difference.
+  // If sky and ground are equally warm, they are as one environment.
   MaterialTable whole = apart(te::flux(0.4, 30), 280, 280), one = whole;
   one.sky_and_ground.reset(), one.environment_temperature = 280;
   const HeatRow both = solveScene(scene, whole, request).heat.rows[0],

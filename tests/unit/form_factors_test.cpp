@@ -101,7 +101,7 @@ Coverages coverBunches(double bunches, uint64_t bunch) {
   return coverages;
 }
 
-// The share of 4000 runs has a standard error of 0.34 %. It falls 4 of them short of 95 % for one seed in 16,000.
+// The share of 4000 runs has a standard error of 0.34 %. It is 4 standard errors below 95 % for one seed in 16,000.
 TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   constexpr double kLeast = 0.95 - 4 * 0.0034;
   for (double lines : {4.0, 8.0, 16.0}) EXPECT_GT(coverBunches(lines, 1).printed, kLeast) << lines << " lines";

@@ -1,5 +1,5 @@
-// Intervals of guarantees by pair lines fail as rarely as stated, by the binomial law. Where they may fail as often as
-// is allowed they still hold, and intervals a tenth too small are caught. One pair among 100,000 hides behind a grid.
+// Intervals of guarantees by pair lines fail as rarely as stated, by the binomial law. In the worst case intervals a
+// tenth too small fail too often. One pair among 100,000 hides behind a grid.
 #include <cmath>
 
 #include <boost/math/distributions/binomial.hpp>

@@ -73,8 +73,8 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
     EXPECT_NEAR(visibility.deviation(), std::sqrt(smoothed * (1 - smoothed)), 1e-6) << i << " " << j;
     EXPECT_EQ(shares.of(j, i).mean, visibility.mean);
   };
-  // scene is m of all 64 ids. near is m of the blocks of 16 with pairs (0, 4) and (2, 12), and far is m of the blocks
-  // with pair (2, 30).
+  // scene is the mean visibility m of all 64 ids. near is m of the blocks of 16 with pairs (0, 4) and (2, 12), and far
+  // is m of the blocks with pair (2, 30).
   const double scene = (0.75 * of_eight + 1 + 0.25 * of_four) / (of_eight + 2 + of_four);
   const double near = (0.75 * of_eight + 1 + scene) / (of_eight + 2 + 1),
                far = (0.25 * of_four + scene) / (of_four + 1);
@@ -83,14 +83,14 @@ TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   isValue(6, 9, 0, 0, near);
   isValue(1, 29, 0.25 * of_four, of_four, far);
   isValue(5, 20, 0, 0, far);
-  isValue(40, 50, 0, 0, scene);  // no line between 32..47 and 48..63
+  isValue(40, 50, 0, 0, scene);  // no line between ids 32..47 and 48..63
 }
 
 // Counts smaller than a line, and lines of one replicate, count as one line for each replicate.
 TEST(NeighbourVisibility, LinesThatComeTogetherAreOne) {
   const Ids ids = namelessIds(4);
   VisibilitySums sums(ids);
-  sums.add(PairCounts{{0, 1, 30, 0}});  // a line is 100
+  sums.add(PairCounts{{0, 1, 30, 0}});  // a whole line would be 100
   sums.add(PairCounts{{0, 1, 0, 30}});
   sums.add(PairCounts{{0, 1, 30, 0}});
   const std::vector<uint32_t> ranks = inOrder(4);

@@ -32,7 +32,7 @@ Enclosure enclosureOf(const FormFactors& f, std::vector<Material> materials) {
 
 FormFactors nested() { return te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}}); }
 
-// Two surfaces that see only each other are a resistance in each band.
+// Two surfaces that see only each other exchange heat through one radiative resistance in each band.
 TEST(SolveBands, TwoSurfaces) {
   const std::vector<double> inner{0.9, 0.3, 0.05}, outer{0.2, 0.7, 1};
   double truth = 0;
