@@ -12,6 +12,7 @@
 #include "program/describe_run.h"
 #include "program/interrupts.h"
 #include "program/json_error.h"
+#include "program/only_environment.h"
 #include "program/outputs.h"
 #include "program/progress_line.h"
 #include "program/request_options.h"
@@ -48,8 +49,8 @@ void warnOfGoal(const Request& request, const Result& result) {
                                                    : std::nullopt;
   if (relative && !(result.largest_relative_error > 0))
     warn(
-        fmt::format("no form factor reaches --floor {}, so that --relative {} asked for nothing; lower "
-                    "--floor, or ask by --tolerance",
+        fmt::format("no form factor is as large as --floor {}, and --relative {} is of those that are; give a lower "
+                    "--floor, or a --tolerance",
                     request.relative_floor, *relative));
 }
 
@@ -64,6 +65,7 @@ int reportMissedGoal(const Result& result) {
 // A Delivery is the part of a result that files and --json get: without form factors below --drop-below, with guesses.
 struct Delivery {
   std::optional<DroppedBelow> below;
+  std::optional<EnvironmentParts> parts;  // with --up, at the end of a run
   std::vector<std::pair<uint32_t, uint32_t>> guesses;
 
   Delivery(const ComputeOptions& options, const Result& result, const FormFactorRun& run)
@@ -85,7 +87,8 @@ OutputContent contentOf(const ComputeOptions& options, const Result& result, con
           .ccx_version = options.output.ccx_version,
           .balanced_column = options.older_names ? kOlderBalancedColumn : kBalancedColumn,
           .guesses = &delivery.guesses,
-          .dropped = delivery.below ? &delivery.below->dropped : nullptr};
+          .dropped = delivery.below ? &delivery.below->dropped : nullptr,
+          .parts = delivery.parts ? &*delivery.parts : nullptr};
 }
 
 // Writes the outputs. Where balancing is refused, form factors are written as measured.
@@ -122,6 +125,7 @@ void printResult(const ComputeOptions& options, const Result& result, const Outp
   if (options.verbose && !result.division.empty() && result.division != first_division)
     fmt::print("after a trial\n{}", result.division);
   fmt::print("{}{}", describeResult(result), result.balanced ? describeBalance(*result.balanced) : "");
+  if (content.parts) fmt::print("{}", describeParts(*content.parts));
   if (content.dropped) fmt::print("{}", describeDropped(result.form_factors.ids(), *content.dropped));
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
   const char* unit = result.plan.line_guarantee                  ? "look"
@@ -143,7 +147,9 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
                                             : 0;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) warn(warning);
-  const Delivery delivery(options, result, run);
+  Delivery delivery(options, result, run);
+  if (options.up && result.interrupted) warn("the run was stopped, so that sky and ground are not apart");
+  else delivery.parts = splitEnvironmentOf(options, scene, result, {.on_progress = progress.listener()});
   const OutputContent content = contentOf(options, result, run, scene, delivery);
   if (options.keepsResults()) progress.begin("writing");
   write(options, result, content, !options.quiet && !options.json);
@@ -258,7 +264,11 @@ int runCompute(const ComputeOptions& options) {
 void addCompute(CLI::App& app, Run& chosen) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   const auto settle = addComputeOptions(command);
-  command->callback([=, &chosen] { chosen = [options = settle()] { return runCompute(*options); }; });
+  command->callback([=, &chosen] {
+    chosen = [options = settle()] {
+      return options->only_environment ? computeOnlyEnvironment(*options) : runCompute(*options);
+    };
+  });
 }
 
 }  // namespace viewpeel::program

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "program/only_environment.h"
 #include "program/option_table.h"
 #include "program/options.h"
 #include "program/request_options.h"
@@ -40,6 +41,8 @@ void requireAgreement(const ComputeOptions& options) {
     throw Error(ErrorCode::bad_usage, "--json and -o - both print on standard output; leave out one of them");
   if (options.output.drop_below > 0 && options.request.balance)
     throw Error(ErrorCode::bad_usage, "--balance adjusts all form factors; leave out --drop-below");
+  if (options.up && !options.request.question.pair.empty())
+    throw Error(ErrorCode::bad_usage, "--up is of the environment, which --pair leaves out; leave out one of them");
 }
 
 }  // namespace
@@ -47,6 +50,14 @@ void requireAgreement(const ComputeOptions& options) {
 std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* command) {
   const auto request_options = addRequestOptions(command);
   const auto options = std::make_shared<ComputeOptions>();
+  startGroup(command, kWhat);
+  addChoice(command, "--only", options->only_environment, {{"all", false}, {"environment", true}},
+            "environment: of each row what leaves the scene, as sky view factors, and no form factors between rows; "
+            "seconds in place of minutes");
+  addUpOption(
+      command, [options](const glm::dvec3& up) { options->up = up; },
+      "Also the environment above and below the horizon, sky and ground apart: above is where this points; in .csv, "
+      ".rows.csv, .h5, .json and .vtp");
   startGroup(command, kOutput);
   addOutputOptions(command, options->output);
   command->add_flag("--balance", request_options->request.balance,
@@ -71,6 +82,7 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
     settleOutputs(command, options->output);
     if (options->older_names) options->older_files = olderFilesOf(options->output.files);
     requireAgreement(*options);
+    if (options->only_environment) checkOnlyEnvironment(command, *options);
     options->files = filesOf(*options);
     return options;
   };

@@ -2,10 +2,12 @@
 #pragma once
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <CLI/CLI.hpp>
+#include <glm/vec3.hpp>
 
 #include "program/checkpoint_keeper.h"
 #include "program/outputs.h"
@@ -21,6 +23,8 @@ struct ComputeOptions {
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
   bool older_names = false;  // whether balanced form factors also get their older names
+  bool only_environment = false;
+  std::optional<glm::dvec3> up;  // the direction above the horizon, where sky and ground are to be apart
 
   bool talks() const { return !quiet && !json && !output.to_stdout; }
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }

@@ -12,12 +12,15 @@
 #include "program/result_json.h"
 #include "program/summary.h"
 #include "run/summaries.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel::program {
 namespace {
 
 // Makes and prints the plan of a run, without counting.
 int runPlan(const ComputeOptions& options) {
+  if (options.only_environment)
+    throw Error(ErrorCode::bad_usage, "--only environment has no plan; viewpeel compute measures it in seconds");
   checkFiles(options);
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   checkScene(options, scene);

@@ -37,8 +37,8 @@ StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::str
                !merged_.sums.prior_sums->prior().has_all_pairs;
   if (is_sparse_ && !of_)
     warn(
-        "pairs with few lines are sampled alone, and those that no line met left "
-        "out; for their unoccluded form factors give --scene FILE");
+        "a checkpoint does not keep the unoccluded form factors of all pairs: pairs that few lines met have larger "
+        "errors here, and pairs that no line met are missing; give the scene by --scene FILE");
   if (is_sparse_ && of_) of_->exchanges.learn(merged_.sums);
 }
 

@@ -19,10 +19,12 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kReplicates = 8, kFirstDirections = 32, kMostDirections = 1 << 16;
+constexpr uint32_t kReplicates = 8, kLeastReplicates = 4, kFirstDirections = 32, kMostDirections = 1 << 16;
 // Errors fall at least with this power of the number of directions (docs/accuracy.md: 1.29 with exact areas).
 constexpr double kLeastExponent = 0.5, kUsualExponent = 0.8;
-constexpr double kMargin = 0.9, kMostGrowth = 64;
+constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 64;
+// A round is to end a little before time is up.
+constexpr double kShareOfTime = 0.9;
 // A polygon of the median area has two spacings to its side.
 constexpr double kSpacingsPerSide = 2;
 constexpr double kLeastResolution = 64, kFinestResolution = 1024;
@@ -56,6 +58,7 @@ class Measurement {
     options.thread_count = request.threads;
     options.on_batch = [&](uint64_t) {
       if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
+      if (may_end_ && isTimeUp()) throw TimeUp{};
     };
     engine_ = makeHostEngine(scene, ids_, options);
     ids_.roles.clear();
@@ -63,16 +66,25 @@ class Measurement {
   }
 
   EnvironmentParts measure() {
-    const auto start = Clock::now();
-    const auto isTimeUp = [&] { return request_.time_limit_s && secondsSince(start) >= *request_.time_limit_s; };
+    EnvironmentParts best;
     for (double directions = kFirstDirections;;) {
-      EnvironmentParts parts = measureOnce(static_cast<uint32_t>(directions));
-      const double excess = parts.largest_standard_error / request_.tolerance;
-      parts.is_reached = excess <= 1;
-      if (parts.is_reached || directions >= kMostDirections || isTimeUp()) return parts;
+      const auto of_round = static_cast<uint32_t>(directions);
+      const double began_s = secondsSince(start_);
+      const std::vector<Counts> replicates = countRound(of_round, best);
+      // A round that was cut short may have fewer directions than the one before.
+      if (replicates.size() * of_round > best.directions) best = partsOf(replicates, of_round);
+      const double excess = best.largest_standard_error / request_.tolerance;
+      best.is_reached = excess <= 1;
+      if (best.is_reached || directions >= kMostDirections || isTimeUp()) return best;
       const double exponent = rounds_ > 2 ? kLeastExponent : kUsualExponent;
-      directions = std::min<double>(directions * std::clamp(std::pow(excess / kMargin, 1 / exponent), 1.5, kMostGrowth),
-                                    kMostDirections);
+      const double growth = std::clamp(std::pow(excess / kMargin, 1 / exponent), kLeastGrowth, kMostGrowth);
+      double fitting = growth;
+      if (request_.time_limit_s) {
+        const double now_s = secondsSince(start_);
+        fitting = kShareOfTime * (*request_.time_limit_s - now_s) / (now_s - began_s);
+        if (fitting <= 1) return best;
+      }
+      directions = std::min<double>(directions * std::min(growth, fitting), kMostDirections);
     }
   }
 
@@ -87,16 +99,36 @@ class Measurement {
     return counts;
   }
 
-  EnvironmentParts measureOnce(uint32_t directions) {
+  bool isTimeUp() const { return request_.time_limit_s && secondsSince(start_) >= *request_.time_limit_s; }
+
+  // Counts eight replicates, or fewer where time is up.
+  std::vector<Counts> countRound(uint32_t directions, const EnvironmentParts& best) {
     std::vector<Counts> replicates;
     const uint64_t first = kEnvironmentReplicates.first + kReplicates * rounds_++;
     for (uint32_t r = 0; r < kReplicates; ++r) {
-      replicates.push_back(count(directions, first + r));
+      may_end_ = best.replicates > 0 || r >= kLeastReplicates;
+      if (may_end_ && isTimeUp()) break;
+      try {
+        replicates.push_back(count(directions, first + r));
+      } catch (const TimeUp&) {
+        break;
+      }
       if (observer_.on_progress)
-        observer_.on_progress({.replicates = r + 1, .directions = directions, .directions_of_replicate = directions});
+        observer_.on_progress({.phase = Progress::Phase::counting,
+                               .replicates = r + 1,
+                               .largest_standard_error = best.replicates ? best.largest_standard_error : INFINITY,
+                               .directions = 0,
+                               .directions_of_replicate = directions});
     }
-    EnvironmentParts parts{.ids = ids_, .replicates = kReplicates, .directions = uint64_t(directions) * kReplicates};
-    parts.up_share_errors.assign(kReplicates, std::vector<double>(ids_.count()));
+    // Fewer replicates say too little of their spread.
+    if (replicates.size() < kLeastReplicates) replicates.clear();
+    return replicates;
+  }
+
+  EnvironmentParts partsOf(const std::vector<Counts>& replicates, uint32_t directions) const {
+    const size_t replicate_count = replicates.size();
+    EnvironmentParts parts{.ids = ids_, .replicates = replicate_count, .directions = directions * replicate_count};
+    parts.up_share_errors.assign(replicate_count, std::vector<double>(ids_.count()));
     const double count_area = 2 * unit_area_ / directions;
     for (uint32_t i = 0; i < ids_.count(); ++i) {
       const double of_count = count_area / ids_.areas[i];
@@ -107,7 +139,7 @@ class Measurement {
       parts.all.push_back(meanOf(
           replicates, [&](const Counts& counts) { return counts.up[i] + counts.down[i]; }, of_count));
       addShare(replicates, i, parts);
-      for (const Measured& part : {parts.up[i], parts.down[i]})
+      for (const Measured& part : {parts.up[i], parts.down[i], parts.all[i]})
         parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
     }
     return parts;
@@ -116,11 +148,12 @@ class Measurement {
   template <class Of>
   static Measured meanOf(const std::vector<Counts>& replicates, const Of& of, double form_factor_of_count) {
     double sum = 0, squares = 0;
+    const auto replicate_count = static_cast<double>(replicates.size());
     for (const Counts& counts : replicates) sum += of(counts);
-    const double mean = sum / kReplicates;
+    const double mean = sum / replicate_count;
     for (const Counts& counts : replicates) squares += std::pow(of(counts) - mean, 2);
     return {mean * form_factor_of_count,
-            std::sqrt(squares / (kReplicates * (kReplicates - 1.0))) * form_factor_of_count};
+            std::sqrt(squares / (replicate_count * (replicate_count - 1))) * form_factor_of_count};
   }
 
   // The share is a ratio of means; its error follows from the residuals of the ratio, in first order.
@@ -136,9 +169,10 @@ class Measurement {
       return;
     }
     const double share = up / all;
-    const double scale = kReplicates / all / std::sqrt(kReplicates * (kReplicates - 1.0));
+    const auto replicate_count = static_cast<double>(replicates.size());
+    const double scale = replicate_count / all / std::sqrt(replicate_count * (replicate_count - 1));
     double squares = 0;
-    for (uint32_t r = 0; r < kReplicates; ++r) {
+    for (size_t r = 0; r < replicates.size(); ++r) {
       const Counts& counts = replicates[r];
       const double residual = counts.up[row] - share * (counts.up[row] + counts.down[row]);
       parts.up_share_errors[r][row] = residual * scale;
@@ -147,8 +181,12 @@ class Measurement {
     parts.up_share.push_back({share, std::sqrt(squares)});
   }
 
+  struct TimeUp {};
+
   const EnvironmentRequest& request_;
   const Observer& observer_;
+  Clock::time_point start_ = Clock::now();
+  bool may_end_ = false;  // what was counted is enough for a result
   Ids ids_;
   std::unique_ptr<Engine> engine_;
   double unit_area_ = 0;
@@ -163,6 +201,38 @@ EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest
   } catch (const Interrupted&) {
     throw Error(ErrorCode::limit, "the run was stopped before the environment was measured; let it run longer");
   }
+}
+
+EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentParts parts) {
+  const Ids& ids = form_factors.ids();
+  if (ids.count() != parts.ids.count())
+    throw Error(ErrorCode::bad_usage, "the environment was measured for other rows than those of the form factors");
+  parts.largest_standard_error = 0;
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    const Measured all = ids.isRequested(i) ? form_factors.formFactor(i, kEnvironment) : Measured{},
+                   share = parts.up_share[i];
+    const auto partOf = [&](double share_of_part) {
+      return Measured{all.value * share_of_part,
+                      std::hypot(all.standard_error * share_of_part, all.value * share.standard_error)};
+    };
+    parts.all[i] = all;
+    parts.up[i] = partOf(share.value);
+    parts.down[i] = partOf(1 - share.value);
+    for (const Measured& part : {parts.up[i], parts.down[i], all})
+      parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
+  }
+  return parts;
+}
+
+FormFactors environmentAlone(const EnvironmentParts& parts) {
+  Ids ids = parts.ids;
+  ids.rows_sum_to_one = false;
+  std::vector<FormFactors::Entry> entries;
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (parts.all[i].value > 0 || parts.all[i].standard_error > 0)
+      entries.push_back(
+          {i, kEnvironment, {ids.areas[i] * parts.all[i].value, ids.areas[i] * parts.all[i].standard_error}});
+  return {std::move(ids), std::move(entries), parts.all};
 }
 
 }  // namespace viewpeel

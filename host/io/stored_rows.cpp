@@ -55,6 +55,8 @@ StoredRows readStoredRows(Hdf5Input& in) {
   const std::string format = rows.attribute("viewpeel_result_format");
   if (format.empty()) in.refuse("it is another file, perhaps a checkpoint");
   if (format != std::to_string(kResultFormat)) in.refuse("it is of another format");
+  if (rows.attribute("only") == "environment")
+    in.refuse("it has the environment of each row alone, without form factors between rows");
   rows.names = in.readTexts("name");
   rows.areas = readNumbers(in, "area", rows.count());
   if (std::ranges::any_of(rows.areas, [](double area) { return area < 0 || std::isinf(area); }))

@@ -5,6 +5,7 @@
 #include "io/each_entry.h"
 #include "io/guesses.h"
 #include "io/writers.h"
+#include <viewpeel/environment.h>
 
 namespace viewpeel {
 
@@ -21,6 +22,12 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
   if (has_guesses) out << ",is_guess";
   if (content.balanced) out << ',' << content.balanced_column;
   out << '\n';
+  // Intervals are of the environment as a whole, and balancing is of closed scenes.
+  const auto printPart = [&](uint32_t i, const char* name, const Measured& f) {
+    if (f.value == 0 && f.standard_error == 0) return;
+    fmt::print(out, "{},{},{},{}{}{}{}\n", quoteName(names[i]), name, f.value, f.standard_error,
+               has_intervals ? ",," : "", has_guesses ? ",0" : "", content.balanced ? "," : "");
+  };
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
     fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
@@ -31,6 +38,9 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
     if (has_guesses) out << (isGuess(content, i, j) ? ",1" : ",0");
     if (content.balanced) fmt::print(out, ",{}", content.balanced->formFactor(i, j).value);
     out << '\n';
+    if (j != kEnvironment || !content.parts) return;
+    printPart(i, "environment:up", content.parts->up[i]);
+    printPart(i, "environment:down", content.parts->down[i]);
   });
 }
 

@@ -135,6 +135,7 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file) {
   const Format format = formatOf(file);
   requireContent(file, content.scene != nullptr);
+  if (content.has_environment_alone) checkEnvironmentOutput(file);
   if (isBuilding(format)) requireBuilding(file, content.scene);
   if (format == Format::moose) checkMooseRows(file, content.form_factors.ids());
   if (format == Format::foam) return writeFoam(content, file);
@@ -149,6 +150,7 @@ void writeFormFactors(const OutputContent& content, const std::filesystem::path&
 void writeFormFactors(const OutputContent& content, std::ostream& out, const std::string& format) {
   const std::filesystem::path file = "output." + format;
   requireContent(file, content.scene != nullptr);
+  if (content.has_environment_alone) checkEnvironmentOutput(file);
   writeAs(formatOf(file), content, file, out);
 }
 
@@ -169,6 +171,16 @@ void checkOutput(const std::filesystem::path& file, bool with_balance, bool has_
                                                   file.string(), file.extension().string()));
   requireContent(file, has_scene);
   for (const std::filesystem::path& written : filesOf(file, with_balance)) checkWritable(written);
+}
+
+void checkEnvironmentOutput(const std::filesystem::path& file) {
+  const Format format = formatOf(file);
+  for (const Format of_rows : {Format::csv, Format::rows, Format::h5, Format::json, Format::vtp})
+    if (format == of_rows) return;
+  throw Error(ErrorCode::bad_usage,
+              fmt::format("{}: its format is of a matrix; the environment alone is written as .csv, .rows.csv, .h5, "
+                          ".json or .vtp",
+                          file.string()));
 }
 
 void checkRows(const std::filesystem::path& file, const Scene& scene, const Ids& ids) {

@@ -15,6 +15,7 @@
 #include "io/stored_rows.h"
 #include "report/write_page.h"
 #include <viewpeel/drop_below.h>
+#include <viewpeel/environment.h>
 #include <viewpeel/solve.h>
 
 namespace viewpeel {
@@ -98,6 +99,7 @@ void addRows(Hdf5Output& out, const OutputContent& content) {
   };
   addColumn("area", "length unit squared", [&](uint32_t id) { return ids.areas[id]; });
   for (const auto& [name, j] : {std::pair("environment", kEnvironment), std::pair("leak", kLeak)}) {
+    if (j == kLeak && content.has_environment_alone) break;
     const uint32_t column = j;
     addColumn(name, "1", [&](uint32_t id) { return form_factors.formFactor(id, column).value; });
     addColumn(std::string(name) + "_standard_error", "1",
@@ -111,6 +113,14 @@ void addRows(Hdf5Output& out, const OutputContent& content) {
     addColumn("dropped_standard_error", "1", [&](uint32_t id) { return content.dropped->sums[id].standard_error; });
     out.setAttribute("/", "drop_below", content.dropped->least);
   }
+  if (content.parts)
+    for (const auto& [name, part] :
+         {std::pair("environment_up", &content.parts->up), std::pair("environment_down", &content.parts->down)}) {
+      const std::vector<Measured>& of_ids = *part;
+      addColumn(name, "1", [&](uint32_t id) { return of_ids[id].value; });
+      addColumn(std::string(name) + "_standard_error", "1", [&](uint32_t id) { return of_ids[id].standard_error; });
+    }
+  if (content.has_environment_alone) return;
   addColumn("row_sum", "1", [&](uint32_t id) { return form_factors.rowSums()[id].value; });
   addColumn("row_sum_standard_error", "1", [&](uint32_t id) { return form_factors.rowSums()[id].standard_error; });
 }
@@ -211,10 +221,8 @@ void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
   out.setAttribute("/", "closure_rms", count > 0 ? std::sqrt(squares / count) : 0.0);
 }
 
-std::vector<char> makeHdf5(const OutputContent& content) {
-  const FormFactors& form_factors = content.form_factors;
-  const SparseRows rows = compressRows(form_factors);
-  Hdf5Output file;
+void addMatrices(Hdf5Output& file, const OutputContent& content) {
+  const SparseRows rows = compressRows(content.form_factors);
   addMatrix(file, "form_factors", rows, rows.form_factors);
   addMatrix(file, "standard_errors", rows, rows.standard_errors);
   if (content.balanced) addMatrix(file, "balanced_form_factors", rows, compressRows(*content.balanced).form_factors);
@@ -223,10 +231,17 @@ std::vector<char> makeHdf5(const OutputContent& content) {
     addMatrix(file, "upper_bounds", rows, rows.upper);
   }
   addPairs(file, rows, content);
+}
+
+std::vector<char> makeHdf5(const OutputContent& content) {
+  const FormFactors& form_factors = content.form_factors;
+  Hdf5Output file;
+  if (!content.has_environment_alone) addMatrices(file, content);
   addRows(file, content);
   if (content.heat) addHeat(file, form_factors.ids(), *content.heat);
   if (content.scene) addGeometry(file, *content.scene, form_factors.ids());
   file.setAttribute("/", "viewpeel_result_format", kResultFormat);
+  if (content.has_environment_alone) file.setAttribute("/", "only", std::string("environment"));
   file.setAttribute("/", "row_order", std::string("faces of the scene file, or with by=surface its surfaces"));
   if (content.scene)
     file.setAttribute("/", "scene_file", std::filesystem::path(content.scene->file).filename().string());

@@ -8,6 +8,7 @@
 #include "io/guesses.h"
 #include "io/writers.h"
 #include <viewpeel/drop_below.h>
+#include <viewpeel/environment.h>
 #include <viewpeel/sparse_rows.h>
 
 namespace viewpeel {
@@ -37,6 +38,7 @@ void writeRowObjects(const OutputContent& content, std::ostream& out) {
     fmt::print(out, ", \"area\": {}", numberOf(ids.areas[id]));
     for (const auto& [name, j] : {std::pair("environment", kEnvironment), std::pair("leak", kLeak)}) {
       if (!ids.isRequested(id) || !ids.counts_environment) break;
+      if (j == kLeak && content.has_environment_alone) break;
       const Measured f = form_factors.formFactor(id, j);
       fmt::print(out, ", \"{}\": {}, \"{}_standard_error\": {}", name, numberOf(f.value), name,
                  numberOf(f.standard_error));
@@ -50,6 +52,11 @@ void writeRowObjects(const OutputContent& content, std::ostream& out) {
     if (content.dropped && ids.isRequested(id))
       fmt::print(out, ", \"dropped\": {}, \"dropped_standard_error\": {}", numberOf(content.dropped->sums[id].value),
                  numberOf(content.dropped->sums[id].standard_error));
+    if (content.parts && ids.isRequested(id))
+      for (const auto& [name, part] :
+           {std::pair("up", content.parts->up[id]), std::pair("down", content.parts->down[id])})
+        fmt::print(out, ", \"environment_{0}\": {1}, \"environment_{0}_standard_error\": {2}", name,
+                   numberOf(part.value), numberOf(part.standard_error));
     if (!ids.isRequested(id)) out << ", \"is_requested\": false";
     out << "}";
     ++id;
@@ -62,6 +69,7 @@ void writeRowObjects(const OutputContent& content, std::ostream& out) {
 void writeJsonMembers(const OutputContent& content, std::ostream& out) {
   const FormFactors &form_factors = content.form_factors, *balanced = content.balanced;
   writeRowObjects(content, out);
+  if (content.has_environment_alone) return;
   const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
   fmt::print(out,
              ",\n  \"form_factors\": {{\n    \"columns\": [\"from\", \"to\", \"form_factor\", "

@@ -8,6 +8,7 @@
 #include "io/guesses.h"
 #include "io/writers.h"
 #include <viewpeel/drop_below.h>
+#include <viewpeel/environment.h>
 #include <viewpeel/sparse_rows.h>
 
 namespace viewpeel {
@@ -33,11 +34,14 @@ void writeRows(const OutputContent& content, std::ostream& out) {
   const FormFactors& form_factors = content.form_factors;
   const Ids& ids = form_factors.ids();
   const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
-  out << "row,name,area,environment,environment_standard_error,leak,leak_standard_error,row_sum,"
-         "row_sum_standard_error,largest_standard_error";
+  const bool is_alone = content.has_environment_alone;
+  out << "row,name,area,environment,environment_standard_error";
+  if (!is_alone) out << ",leak,leak_standard_error,row_sum,row_sum_standard_error,largest_standard_error";
   if (has_intervals) out << ",environment_lower,environment_upper,leak_lower,leak_upper";
   if (has_guesses) out << ",guessed";
   if (content.dropped) out << ",dropped,dropped_standard_error";
+  if (content.parts)
+    out << ",environment_up,environment_up_standard_error,environment_down,environment_down_standard_error";
   out << '\n';
   const std::vector<RowFigures> figures = figuresOf(content);
   const std::vector<uint32_t> rows = ids.rows();
@@ -48,9 +52,12 @@ void writeRows(const OutputContent& content, std::ostream& out) {
     fmt::print(out, "{},{},{}", row + 1, quoteName(names[row]), is_empty ? 0 : ids.areas[id]);
     const auto print = [&](const Measured& value) { fmt::print(out, ",{},{}", value.value, value.standard_error); };
     const bool is_shown = !is_empty && ids.isRequested(id);
-    for (uint32_t j : {kEnvironment, kLeak}) print(is_shown ? form_factors.formFactor(id, j) : Measured{});
-    print(is_shown ? form_factors.rowSums()[id] : Measured{});
-    fmt::print(out, ",{}", is_shown ? figures[id].largest_standard_error : 0);
+    print(is_shown ? form_factors.formFactor(id, kEnvironment) : Measured{});
+    if (!is_alone) {
+      print(is_shown ? form_factors.formFactor(id, kLeak) : Measured{});
+      print(is_shown ? form_factors.rowSums()[id] : Measured{});
+      fmt::print(out, ",{}", is_shown ? figures[id].largest_standard_error : 0);
+    }
     if (has_intervals)
       for (uint32_t j : {kEnvironment, kLeak}) {
         const Interval interval = is_shown ? form_factors.interval(id, j) : Interval{};
@@ -58,6 +65,9 @@ void writeRows(const OutputContent& content, std::ostream& out) {
       }
     if (has_guesses) fmt::print(out, ",{}", is_shown ? figures[id].guessed : 0);
     if (content.dropped) print(is_shown ? content.dropped->sums[id] : Measured{});
+    if (content.parts)
+      for (const std::vector<Measured>* part : {&content.parts->up, &content.parts->down})
+        print(is_shown ? (*part)[id] : Measured{});
     out << '\n';
     if (!is_empty) ++id;
   }

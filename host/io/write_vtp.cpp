@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <viewpeel/environment.h>
 #include <viewpeel/solve.h>
 #include "io/shown_rows.h"
 #include "io/writers.h"
@@ -85,9 +86,15 @@ std::string cellData(const OutputContent& content, Arrays& arrays) {
   std::vector<int32_t> row_of_polygon(polygon_count);
   for (uint32_t k = 0; k < polygon_count; ++k) row_of_polygon[k] = static_cast<int32_t>(rows[id_of_polygon[k]]);
   std::string text = arrays.add("area", "Float64", areas) + arrays.add("row", "Int32", row_of_polygon);
-  text += add("row_sum", [&](uint32_t id) { return f.rowSums()[id].value; });
+  if (!content.has_environment_alone) {
+    text += add("row_sum", [&](uint32_t id) { return f.rowSums()[id].value; });
+    text += add("leak", [&](uint32_t id) { return f.formFactor(id, kLeak).value; });
+  }
   text += add("environment", [&](uint32_t id) { return f.formFactor(id, kEnvironment).value; });
-  text += add("leak", [&](uint32_t id) { return f.formFactor(id, kLeak).value; });
+  if (content.parts) {
+    text += add("environment_up", [&](uint32_t id) { return content.parts->up[id].value; });
+    text += add("environment_down", [&](uint32_t id) { return content.parts->down[id].value; });
+  }
   text += add("standard_error", [&](uint32_t id) { return largest[id]; });
   if (content.heat) {
     const std::vector<HeatRow>& rows_of_heat = content.heat->rows;
@@ -126,10 +133,11 @@ void writeVtp(const OutputContent& content, std::ostream& out) {
   fmt::print(out,
              "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
              "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" "
-             "NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<CellData Scalars=\"row_sum\">\n{}"
+             "NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<CellData Scalars=\"{}\">\n{}"
              "</CellData>\n<Points>\n{}</Points>\n<Polys>\n{}</Polys>\n</Piece>\n</PolyData>\n"
              "<AppendedData encoding=\"raw\">\n_",
-             scene.corners.size(), scene.polygons.size(), cells, places, corners);
+             scene.corners.size(), scene.polygons.size(), content.has_environment_alone ? "environment" : "row_sum",
+             cells, places, corners);
   arrays.write(out);
   out << "\n</AppendedData>\n</VTKFile>\n";
 }

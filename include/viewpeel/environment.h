@@ -18,9 +18,10 @@ struct EnvironmentRequest {
   By by = By::polygon;
   bool two_sided = false;
   glm::dvec3 up{0, 0, 1};   // of any length above 0
-  double tolerance = 1e-3;  // the largest standard error of all form factors to either part, above 0
+  double tolerance = 1e-3;  // the largest standard error of all form factors to either part and to both, above 0
   uint64_t seed = 1;        // the same seed gives the same bits
   uint32_t threads = 0;     // 0: one for each core
+  // The run ends when this time is over, even within a replicate; four small replicates are counted in any case.
   std::optional<double> time_limit_s;
 };
 
@@ -37,7 +38,7 @@ struct EnvironmentParts {
   // standard error.
   std::vector<std::vector<double>> up_share_errors;
   uint64_t replicates = 0, directions = 0;  // directions of all replicates together
-  double largest_standard_error = 0;        // of up and down
+  double largest_standard_error = 0;        // of up, down and all
   bool is_reached = true;                   // false where time or directions ran out before the tolerance was reached
 };
 
@@ -46,11 +47,25 @@ struct EnvironmentParts {
 //   In: scene; request
 //   Out: see EnvironmentParts
 //   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.
-//     Standard errors are those of 8 replicates. Tests: tests/unit/environment_test.cpp.
+//     Standard errors are those of 8 replicates, of 4 to 8 where time was up. Tests: tests/unit/environment_test.cpp.
 //   Throws: Error bad_usage for a direction up of length 0 or a tolerance that is not above 0; Error limit where the
 //     observer stops the run.
 //   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene.
 EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request,
                                     const Observer& observer = {});
+
+// Splits the environment of form factors that were computed by the shares measured: up + down = all are those of the
+// form factors.
+//   up_i = F_i,environment up_share_i
+//   In: form_factors: of the rows of `parts`; parts: of the same scene
+//   Out: parts with other up, down, all and largest_standard_error
+//   Error: that of the form factor and that of the share, as independent ones. Tests: tests/unit/environment_test.cpp.
+//   Throws: Error bad_usage where rows differ in number.    Cost: O(rows log nonzeros).
+EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentParts parts);
+
+// Returns form factors to the environment alone, without any between rows, for writers: OutputContent::parts has sky
+// and ground.
+//   In: parts: of n rows    Out: n ids, whose row sums are the environment's    Cost: O(rows).
+FormFactors environmentAlone(const EnvironmentParts& parts);
 
 }  // namespace viewpeel

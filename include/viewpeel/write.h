@@ -11,6 +11,7 @@
 namespace viewpeel {
 
 struct DroppedSums;
+struct EnvironmentParts;
 struct HeatSolution;
 
 // This is the .csv column of balanced form factors. Version 0.1 used the older name, which `--closure` keeps until 0.3.
@@ -58,6 +59,12 @@ struct OutputContent {
   // Entries of these pairs (i, j), i < j, ascending, are guesses, and files mark them. May be nullptr.
   const std::vector<std::pair<uint32_t, uint32_t>>* guesses = nullptr;
   const DroppedSums* dropped = nullptr;  // what dropBelow() left out of the form factors
+  // Sky and ground apart: .csv gets the entries `environment:up` and `environment:down`, .rows.csv, .h5, .json and .vtp
+  // columns. May be nullptr.
+  const EnvironmentParts* parts = nullptr;
+  // The form factors are those of environmentAlone(): files have no matrix, leak nor row sums. Formats are .csv,
+  // .rows.csv, .h5, .json and .vtp.
+  bool has_environment_alone = false;
 };
 
 // Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or
@@ -72,8 +79,9 @@ struct OutputContent {
 //   Error: none: numbers are the same doubles. Tests: tests/unit/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
 //   Throws: Error bad_usage for an unknown extension, for .vtp without a scene, for .html where the page was not built
-//     (VIEWPEEL_BUILD_REPORT), and for an unknown name in content.shown; Error limit for a .h5 that does not fit into
-//     memory; Error output, naming the file and the system's reason.
+//     (VIEWPEEL_BUILD_REPORT), for the environment alone in a format that is all matrix, and for an unknown name in
+//     content.shown; Error limit for a .h5 that does not fit into memory; Error output, naming the file and the
+//     system's reason.
 //   Cost: O(nonzeros + polygons). .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
@@ -96,6 +104,10 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 //     a scene, for .html where the page was not built, and for a file that cannot be written.
 //   Cost: a small file is written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
+
+// Refuses a file whose format cannot hold the environment alone (OutputContent::has_environment_alone).
+//   Throws: Error bad_usage.    Cost: O(1).
+void checkEnvironmentOutput(const std::filesystem::path& file);
 
 // Refuses rows that the file's format cannot store. Callers use it before anything is computed. OpenFOAM needs a row
 // for each coarse face, EnergyPlus one for each surface of a building, and MOOSE names without blanks.

@@ -1,5 +1,6 @@
 // The Python module uses the public headers alone. The structs of this header are the objects that Python holds.
 #pragma once
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -74,6 +75,7 @@ py::array_t<T> arrayOf(std::vector<T> values) {
 void addScene(py::module_& module);
 void addResult(py::module_& module);
 void addRun(py::module_& module);
+void addEnvironment(py::module_& module);
 void addHeat(py::module_& module);
 
 }  // namespace viewpeel::python

@@ -41,5 +41,6 @@ PYBIND11_MODULE(_core, module) {
   addScene(module);
   addResult(module);
   addRun(module);
+  addEnvironment(module);
   addHeat(module);
 }

@@ -70,6 +70,19 @@ py::tuple columnTo(const HeldResult& held, uint32_t to) {
                         arrayOf(spreadOverRows(form_factors.ids(), errors)));
 }
 
+// Returns (lower, upper) of all rows; None where the result has no intervals.
+py::object boundsTo(const HeldResult& held, uint32_t to) {
+  const FormFactors& form_factors = held.stored.form_factors;
+  if (!form_factors.hasIntervals()) return py::none();
+  std::vector<double> lower, upper;
+  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {
+    const Interval interval = form_factors.ids().isRequested(id) ? form_factors.interval(id, to) : Interval{};
+    lower.push_back(interval.lower), upper.push_back(interval.upper);
+  }
+  return py::make_tuple(arrayOf(spreadOverRows(form_factors.ids(), lower)),
+                        arrayOf(spreadOverRows(form_factors.ids(), upper)));
+}
+
 py::array_t<double> rowSums(const HeldResult& held) {
   std::vector<double> values;
   for (const Measured& sum : held.stored.form_factors.rowSums()) values.push_back(sum.value);
@@ -107,6 +120,8 @@ void addResult(py::module_& module) {
       .def("balanced", &balanced)
       .def("environment", [](const HeldResult& held) { return columnTo(held, kEnvironment); })
       .def("leak", [](const HeldResult& held) { return columnTo(held, kLeak); })
+      .def("environment_bounds", [](const HeldResult& held) { return boundsTo(held, kEnvironment); })
+      .def("leak_bounds", [](const HeldResult& held) { return boundsTo(held, kLeak); })
       .def("row_sums", &rowSums)
       .def("closure", &closure)
       .def("names", [](const HeldResult& held) { return rowNames(held.stored.form_factors.ids()); })

@@ -44,8 +44,8 @@ InputScene inputOf(const Points& points, const Indices& corners, const Indices& 
 }
 
 SceneOptions optionsOf(std::vector<std::string> sheets, std::vector<std::string> solids, std::vector<std::string> flip,
-                       bool fix_normals, double unit_m) {
-  return {std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m};
+                       bool fix_normals, double unit_m, std::vector<std::string> zones = {}, bool outside = false) {
+  return {std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m, std::move(zones), outside};
 }
 
 std::vector<std::string> surfaceNames(const HeldScene& held) {
@@ -65,13 +65,14 @@ void addScene(py::module_& module) {
   module.def(
       "load_scene",
       [](const std::string& file, std::vector<std::string> sheets, std::vector<std::string> solids,
-         std::vector<std::string> flip, bool fix_normals, double unit_m) {
-        SceneOptions options = optionsOf(std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m);
+         std::vector<std::string> flip, bool fix_normals, double unit_m, std::vector<std::string> zones, bool outside) {
+        SceneOptions options = optionsOf(std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m,
+                                         std::move(zones), outside);
         const py::gil_scoped_release released;
         return hold(loadScene(file, options), options);
       },
-      py::arg("file"), py::arg("sheets"), py::arg("solids"), py::arg("flip"), py::arg("fix_normals"),
-      py::arg("unit_m"));
+      py::arg("file"), py::arg("sheets"), py::arg("solids"), py::arg("flip"), py::arg("fix_normals"), py::arg("unit_m"),
+      py::arg("zones"), py::arg("outside"));
   module.def(
       "build_scene",
       [](const Points& points, const Indices& corners, const Indices& starts, const Indices& surfaces,

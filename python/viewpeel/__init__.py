@@ -12,7 +12,11 @@ OSError; devices and limits raise viewpeel.Error. docs/python.md of the project 
 
 from ._compute import Interrupted, compute
 from ._core import Error, __version__
+from ._environment import Environment, environment
 from ._heat import Heat, solve
 from ._result import Closure, Result, load
 
-__all__ = ["Closure", "Error", "Heat", "Interrupted", "Result", "__version__", "compute", "load", "solve"]
+__all__ = [
+    "Closure", "Environment", "Error", "Heat", "Interrupted", "Result", "__version__",
+    "compute", "environment", "load", "solve",
+]  # fmt: skip

@@ -53,6 +53,14 @@ def _progress_bar() -> _ProgressBar:
     return _ProgressBar(tqdm)
 
 
+def progress_of(progress: Union[bool, Callable[[Progress], None]]) -> tuple[Any, Callable[[], None]]:
+    """The function that a run is to call, or None, and one to call at its end."""
+    if progress is True:
+        bar = _progress_bar()
+        return bar, bar.close
+    return (progress if callable(progress) else None), lambda: None
+
+
 def _names(names: Union[str, Sequence[str]]) -> list[str]:
     return [names] if isinstance(names, str) else list(names)
 
@@ -101,7 +109,8 @@ def compute(
 
     In:
         scene: one of these:
-            a file (.obj, .stl, .ply, .vs3, .inp, .msh, .vtp, .vtu),
+            a file (.obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf, .epJSON) or the folder of an
+                OpenFOAM case,
             (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
                 indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
             a mesh of meshio, trimesh, pyvista (PolyData) or VTK
@@ -126,7 +135,8 @@ def compute(
         progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: replicates,
             largest_standard_error, directions, directions_of_replicate, expected_blocks, most_blocks. An exception
             that it raises stops the run and is passed on
-        scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft")
+        scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft"); of an
+            EnergyPlus building zones (names) or outside (bool)
     Out: Result of the scene's rows
     Error: as the goal demands; standard errors are estimates, and intervals of a guarantee are bounds
     Raises: ValueError with the program's line for bad scenes and options; Interrupted on Ctrl-C; OSError; Error;
@@ -145,13 +155,11 @@ def compute(
     made = scene_of(scene, scene_options)
     if scene_options:
         raise TypeError(f"compute() has no argument {', '.join(map(repr, scene_options))}")
-    bar = _progress_bar() if progress is True else None
-    tick = bar or (progress if callable(progress) else None)
+    tick, close = progress_of(progress)
     try:
         held, stop = _core.compute(made, arguments, file or "", resume, tick)
     finally:
-        if bar:
-            bar.close()
+        close()
     result = None if held is None else Result(held)
     if isinstance(stop, KeyboardInterrupt):
         raise Interrupted(result, file) from None

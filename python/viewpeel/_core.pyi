@@ -22,7 +22,14 @@ class Scene:
     def warnings(self) -> list[str]: ...
 
 def load_scene(
-    file: str, sheets: Sequence[str], solids: Sequence[str], flip: Sequence[str], fix_normals: bool, unit_m: float
+    file: str,
+    sheets: Sequence[str],
+    solids: Sequence[str],
+    flip: Sequence[str],
+    fix_normals: bool,
+    unit_m: float,
+    zones: Sequence[str],
+    outside: bool,
 ) -> Scene: ...
 def build_scene(
     points: ArrayLike,
@@ -44,6 +51,8 @@ class Result:
     def balanced(self) -> Optional[Sparse]: ...
     def environment(self) -> tuple[Floats, Floats]: ...
     def leak(self) -> tuple[Floats, Floats]: ...
+    def environment_bounds(self) -> Optional[tuple[Floats, Floats]]: ...
+    def leak_bounds(self) -> Optional[tuple[Floats, Floats]]: ...
     def row_sums(self) -> Floats: ...
     def closure(self) -> Optional[tuple[float, float, float, str]]: ...
     def names(self) -> list[str]: ...
@@ -68,6 +77,18 @@ def compute(
     resumes: bool,
     tick: Optional[Callable[[dict[str, Union[int, float]]], None]],
 ) -> tuple[Optional[Result], Optional[BaseException]]: ...
+
+def measure_environment(
+    scene: Scene,
+    by_surface: bool,
+    two_sided: bool,
+    up: Sequence[float],
+    tolerance: float,
+    seconds: Optional[float],
+    seed: int,
+    threads: int,
+    tick: Optional[Callable[[dict[str, Union[int, float]]], None]],
+) -> tuple[Optional[dict[str, Any]], Optional[BaseException]]: ...
 
 class Materials:
     def __init__(

@@ -8,7 +8,7 @@ import warnings
 from typing import Any, Mapping, Optional, Union
 
 from . import _core
-from ._compute import compute
+from ._compute import compute, progress_of
 from ._result import Result
 from ._scene import scene_of
 
@@ -114,7 +114,11 @@ def _solve_to(scene: Any, table: _core.Materials, tolerance: str, options: dict[
     if options:
         raise TypeError(f"solve() has no argument {', '.join(map(repr, options))}")
     value = float(match[1]) / 100 if match[2] == "%" else float(match[1])
-    held, is_reached, stop = _core.solve_to(made, arguments, table, value, match[2], progress if callable(progress) else None)
+    tick, close = progress_of(progress)
+    try:
+        held, is_reached, stop = _core.solve_to(made, arguments, table, value, match[2], tick)
+    finally:
+        close()
     if stop is not None:
         raise stop
     if held is None:

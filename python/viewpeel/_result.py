@@ -103,6 +103,11 @@ class Result:
         return self._held.environment()[1]
 
     @cached_property
+    def environment_bounds(self) -> Optional[tuple[Floats, Floats]]:
+        """(lower, upper) of `environment`, n float64 each, of a guarantee; else None."""
+        return self._held.environment_bounds()
+
+    @cached_property
     def leak(self) -> Floats:
         """F from each row onto backs of polygons, n float64; above 0 where polygons are flipped or solids open."""
         return self._held.leak()[0]
@@ -111,6 +116,11 @@ class Result:
     def leak_standard_errors(self) -> Floats:
         """Standard errors of `leak`, n float64."""
         return self._held.leak()[1]
+
+    @cached_property
+    def leak_bounds(self) -> Optional[tuple[Floats, Floats]]:
+        """(lower, upper) of `leak`, n float64 each, of a guarantee; else None."""
+        return self._held.leak_bounds()
 
     @cached_property
     def row_sums(self) -> Floats:
@@ -157,16 +167,15 @@ class Result:
         if self.bounds is not None:
             columns["lower"], columns["upper"] = self.bounds[0].data, self.bounds[1].data
         frames = [pandas.DataFrame(columns)]
-        for to, values, of_values in (
-            ("environment", self.environment, self.environment_standard_errors),
-            ("leak", self.leak, self.leak_standard_errors),
+        for to, values, of_values, bounds in (
+            ("environment", self.environment, self.environment_standard_errors, self.environment_bounds),
+            ("leak", self.leak, self.leak_standard_errors, self.leak_bounds),
         ):
             seen = numpy.flatnonzero(values)
-            frames.append(
-                pandas.DataFrame(
-                    {"from": names[seen], "to": to, "form_factor": values[seen], "standard_error": of_values[seen]}
-                )
-            )
+            columns = {"from": names[seen], "to": to, "form_factor": values[seen], "standard_error": of_values[seen]}
+            if bounds is not None:
+                columns["lower"], columns["upper"] = bounds[0][seen], bounds[1][seen]
+            frames.append(pandas.DataFrame(columns))
         return pandas.concat(frames, ignore_index=True)
 
     def save(self, file: Union[str, "os.PathLike[str]"], show: Sequence[str] = ()) -> None:

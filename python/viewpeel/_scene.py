@@ -130,7 +130,7 @@ def _polygons_of(scene: Any) -> Polygons:
 def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
     """Makes a scene, and warns of what was noticed in it.
 
-    In: scene: file, arrays or mesh; options: takes sheets, solids, flip, fix_normals and units out of it
+    In: scene: file, arrays or mesh; options: takes sheets, solids, flip, fix_normals, units, zones and outside out of it
     """
     if isinstance(scene, _core.Scene):
         return scene
@@ -139,8 +139,11 @@ def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
     if units not in _UNITS_M:
         raise ValueError(f"units: '{units}' is not one of {', '.join(_UNITS_M)}")
     how = dict(words, fix_normals=bool(options.pop("fix_normals", False)), unit_m=_UNITS_M[units])
+    zones, outside = options.pop("zones", ()), bool(options.pop("outside", False))
     if isinstance(scene, (str, os.PathLike)):
-        made = _core.load_scene(os.fspath(scene), **how)
+        made = _core.load_scene(os.fspath(scene), zones=[zones] if isinstance(zones, str) else list(zones), outside=outside, **how)
+    elif zones or outside:
+        raise ValueError("zones, outside: are of an EnergyPlus building; give its file, .idf or .epJSON")
     else:
         polygons = _polygons_of(scene)
         made = _core.build_scene(

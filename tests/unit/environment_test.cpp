@@ -3,10 +3,13 @@
 
 #include <gtest/gtest.h>
 
+#include <viewpeel/compute.h>
 #include <viewpeel/environment.h>
+#include <viewpeel/error.h>
 
 #include "reference/closed_forms/rectangles.h"
 #include "scenes/named_scenes.h"
+#include "stopwatch.h"
 #include "tests/support/enclosures.h"
 #include "tests/support/reference_shapes.h"
 
@@ -100,6 +103,54 @@ TEST(Environment, ThreadsDoNotMatterAndTheSeedDoes) {
   EXPECT_THROW(measureEnvironment(scene, {.up = {0, 0, 0}}), Error);
   EXPECT_THROW(measureEnvironment(scene, {.tolerance = 0}), Error);
   EXPECT_THROW(measureEnvironment(scene, {}, {.should_stop = [] { return true; }}), Error);
+}
+
+// A time limit ends a run within a round: what eight replicates of some 10,000 directions and more would take is not
+// waited for.
+TEST(Environment, TimeLimitEndsARunWithinARound) {
+  const Scene scene = buildScene(ts::triangleSoup(300, 0.3, 3));
+  const auto start = Clock::now();
+  const EnvironmentParts parts = measureEnvironment(scene, {.tolerance = 1e-9, .time_limit_s = 0.3});
+  EXPECT_FALSE(parts.is_reached);
+  EXPECT_GE(parts.replicates, 4u);
+  EXPECT_LE(parts.replicates, 8u);
+  EXPECT_GT(parts.largest_standard_error, 1e-9);
+  // It stops after some ten milliseconds; a loaded machine may take its time, and the whole run takes minutes.
+  EXPECT_LT(secondsSince(start), 5);
+  // Without time there are four replicates of 32 directions at least.
+  const EnvironmentParts least = measureEnvironment(scene, {.tolerance = 1e-9, .time_limit_s = 1e-6});
+  EXPECT_EQ(least.replicates, 4u);
+  EXPECT_EQ(least.directions, 4u * 32);
+  EXPECT_EQ(least.up_share_errors.size(), 4u);
+}
+
+// The parts of form factors that were computed add up to these to the bit, and have the shares that were measured.
+TEST(Environment, SplitsThatOfFormFactors) {
+  const Scene scene = buildScene(boxAndPlate());
+  const Result all = computeFormFactors(scene, {.goal = Tolerance{1e-2}});
+  const EnvironmentParts measured = measureEnvironment(scene, {.tolerance = 2e-3});
+  const EnvironmentParts parts = splitEnvironment(all.form_factors, measured);
+  bool has_both = false;
+  for (uint32_t i = 0; i < parts.ids.count(); ++i) {
+    const Measured whole = all.form_factors.formFactor(i, kEnvironment);
+    EXPECT_TRUE(isWithin(parts.up[i].value + parts.down[i].value, whole.value, 1e-15));
+    EXPECT_EQ(parts.all[i].value, whole.value);
+    EXPECT_EQ(parts.up[i].value, whole.value * measured.up_share[i].value);
+    EXPECT_GE(parts.up[i].standard_error, whole.standard_error * measured.up_share[i].value);
+    EXPECT_LE(parts.up[i].standard_error, parts.largest_standard_error);
+    has_both |= parts.up[i].value > 0.1 && parts.down[i].value > 0.1;
+  }
+  EXPECT_TRUE(has_both);
+  const Scene other = buildScene(ts::parallelSquares());
+  EXPECT_THROW(splitEnvironment(all.form_factors, measureEnvironment(other, {.tolerance = 0.1})), Error);
+  // Without form factors between rows the sum of a row is its environment.
+  const FormFactors alone = environmentAlone(measured);
+  EXPECT_FALSE(alone.ids().rows_sum_to_one);
+  for (uint32_t i = 0; i < parts.ids.count(); ++i) {
+    EXPECT_TRUE(isWithin(alone.formFactor(i, kEnvironment).value, measured.all[i].value, 1e-15));
+    EXPECT_EQ(alone.formFactor(i, kLeak).value, 0);
+    EXPECT_EQ(alone.rowSums()[i].value, measured.all[i].value);
+  }
 }
 
 MaterialTable apart(Material material, double up, double down) {
