@@ -24,7 +24,8 @@ std::string describeCoincidences(const Scene& scene);
 // Returns a table of the largest form factors between surfaces, with standard errors.
 std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 
-// Describes how many directions directed pairs have, after the number of common ones; empty where there are none.
+// Returns text for the line `work`, which follows the number of common directions: how many lines the pairs had, or how
+// many directions the directed pairs had. The text is empty if there were neither lines nor directed pairs.
 std::string describeDirected(const Estimate& estimate);
 
 // Returns the largest form factors and describeErrors().

@@ -39,7 +39,7 @@ struct MatrixError {
 
 class ErrorSums {
  public:
-  // Adds the errors of a pair in both directions.    In: exchange area of the reference, error of the exchange area,
+  // Adds the errors of F_ij and of F_ji.    In: exchange area of the reference, error of the exchange area,
   // areas of both polygons
   void add(double reference, double error, double area_i, double area_j) {
     const double e_i = error / area_i, e_j = error / area_j, largest = std::fmax(std::abs(e_i), std::abs(e_j));

@@ -67,7 +67,8 @@ class PairCounters {
   uint64_t pairs_ = 0;       // pairs in the hash table
   uint64_t last_pairs_ = 0;  // pairs that the last batch has added to it
   Buffer counters_, read_back_;
-  // Counts of earlier, smaller hash tables. As on the device, `blocked` includes the facing lines.
+  // These counts were taken over from hash tables that became too small. As on the device, `blocked` is the number of
+  // blocked and of facing lines together.
   PairCounts drained_;
 };
 

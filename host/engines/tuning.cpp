@@ -38,7 +38,8 @@ Tuning tune(const Device& device, const LatticeOptions& options) {
   const auto choose = [](uint32_t requested, uint32_t otherwise) { return requested ? requested : otherwise; };
   const uint32_t subgroup_size = subgroup.subgroupSize, layers_kept = choose(options.layers_kept, 4),
                  most_blocks = choose(options.most_blocks, on_cpu ? 1000 : 1u << 30);
-  // With scanlines the spans of every row are found among all polygons of the tile, so smaller tiles are faster.
+  // Every scanline searches all polygons of its tile for spans. Tiles of few scanlines hold fewer polygons, and are
+  // faster.
   const uint32_t default_rows = options.sampling == Sampling::lattice ? kMostTileRows
                                 : options.resolution < 128            ? 2
                                                                       : 4;

@@ -71,7 +71,7 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   Interval seen{0, blockable};
   const bool is_proved = options_.delta == 0 || entry.isBounded();
   if (!is_proved) {
-    // Chernoff's variables are the contributions of single lines, over the largest contribution.
+    // Chernoff's variables are the contributions of single lines, divided by the largest possible contribution.
     const double most = weightAt(entry, look) * lines;
     const MeanBounds mean = chernoffBounds(facing / most, (facing + open) / most, lines, log_entry_);
     seen = {std::min(blockable, most * mean.lower), std::min(blockable, most * mean.upper)};

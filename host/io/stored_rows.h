@@ -1,5 +1,5 @@
-// StoredRows are the rows of a .h5 of results in the layout of write_hdf5.cpp. Readers refuse columns that do not match
-// each other, and values that are not numbers.
+// StoredRows hold the rows of the matrix of form factors, as a .h5 file of results has them (layout: write_hdf5.cpp).
+// Readers refuse columns of different lengths, and values that are not numbers.
 #pragma once
 #include <cstdint>
 #include <filesystem>

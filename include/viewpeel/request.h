@@ -15,8 +15,8 @@
 
 namespace viewpeel {
 
-// A run with a Tolerance ends once the standard error of every form factor is at most this. If a guarantee costs little
-// more, the tolerance becomes a guarantee: see Request::promise.
+// A run with a Tolerance ends once the standard error of every form factor is at most the tolerance. If a guarantee
+// costs little more, the tolerance becomes a guarantee: see Request::promise.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
   // The run may have a second goal: standard errors of all form factors of at least Request::relative_floor, as shares

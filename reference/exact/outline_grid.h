@@ -10,11 +10,11 @@ namespace viewpeel::reference {
 // An OutlineGrid is a square grid over the projection; each cell lists the outlines whose bounds touch it.
 class OutlineGrid {
  public:
-  // The projection must outlive this object. Cost: O(outlines + cells that their bounds cover), about 4 cells an
-  // outline.
+  // The projection must outlive this object. Cost: O(outlines + cells that their bounds cover). The grid has about four
+  // cells for each outline.
   explicit OutlineGrid(const Projection& projection);
 
-  // Finds every outline that the edge a -> b meets, and others near it; each once, in no particular order.
+  // Finds every outline that the edge a -> b meets, and some outlines near the edge. Each is listed once, in any order.
   void findNear(uint32_t a, uint32_t b, std::vector<uint32_t>& outlines);
 
  private:

@@ -1,5 +1,5 @@
-// The kernels of unoccluded form factors share these buffers and functions, which load pairs of sides and measure
-// depths over planes.
+// The kernels of unoccluded form factors share these buffers and functions. The functions load a pair, with the side of
+// each polygon that takes part, and measure how far points are above a polygon's plane.
 #extension GL_EXT_buffer_reference2 : require
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require

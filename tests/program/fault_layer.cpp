@@ -47,8 +47,8 @@ bool hasSpace(VkDeviceSize size_bytes) {
          allocated_bytes + size_bytes <= std::strtoull(requested.c_str() + 6, nullptr, 10) << 10;
 }
 
-// Next holds the functions of the layer below. They are looked up when instance and device are created, for later the
-// loader returns the functions of the topmost layer.
+// Next holds the functions of the layer below. They are looked up when instance and device are created, because later
+// the loader returns the functions of the topmost layer.
 struct Next {
   PFN_vkEnumeratePhysicalDevices enumeratePhysicalDevices;
   PFN_vkGetPhysicalDeviceProperties2 getProperties2;

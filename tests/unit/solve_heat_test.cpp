@@ -160,7 +160,7 @@ TEST(SolveHeat, RefusesWhatHasNoAnswer) {
   const FormFactors leaking = te::formFactors({1, 1}, {{0, 1, {0.9, 0}}, {0, kLeak, {0.1, 0}}});
   EXPECT_NE(refusal(leaking, {te::hot(0.5, 300), te::hot(0.5, 300)}).find("5 % of all emitted radiation ends on backs"),
             std::string::npos);
-  // Rows 0 and 1 do not see rows 2 and 3, none of which has a temperature.
+  // Rows 0 and 1 do not see rows 2 and 3, and neither row 2 nor row 3 has a given temperature.
   const FormFactors apart = te::formFactors({1, 1, 1, 1}, {{0, 1, {1, 0}}, {2, 3, {1, 0}}});
   EXPECT_NE(
       refusal(apart, {te::hot(0.5, 300), te::hot(0.5, 300), te::flux(1, 0), te::flux(1, 0)}).find("'row2' has no"),
