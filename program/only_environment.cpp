@@ -21,9 +21,9 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostRows = 20;
-// A run that is asked for time alone goes on until time is up: no error is small enough.
+// A run with a time limit alone goes on until time is up: no error is small enough.
 constexpr double kNoTolerance = 1e-300;
-// What is known exactly would ask for directions without end.
+// Form factors that are known exactly would ask for directions without end.
 constexpr double kLeastTolerance = 1e-4;
 
 std::string describeRows(const EnvironmentParts& parts, bool has_up) {

@@ -23,7 +23,7 @@ constexpr uint32_t kReplicates = 8, kLeastReplicates = 4, kFirstDirections = 32,
 // Errors fall at least with this power of the number of directions (docs/accuracy.md: 1.29 with exact areas).
 constexpr double kLeastExponent = 0.5, kUsualExponent = 0.8;
 constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 64;
-// A round is to end a little before time is up.
+// Rounds are planned to end when this share of the time is over.
 constexpr double kShareOfTime = 0.9;
 // A polygon of the median area has two spacings to its side.
 constexpr double kSpacingsPerSide = 2;
@@ -71,7 +71,7 @@ class Measurement {
       const auto of_round = static_cast<uint32_t>(directions);
       const double began_s = secondsSince(start_);
       const std::vector<Counts> replicates = countRound(of_round, best);
-      // A round that was cut short may have fewer directions than the one before.
+      // A round that was cut short may have fewer directions than the round before.
       if (replicates.size() * of_round > best.directions) best = partsOf(replicates, of_round);
       const double excess = best.largest_standard_error / request_.tolerance;
       best.is_reached = excess <= 1;
@@ -120,7 +120,7 @@ class Measurement {
                                .directions = 0,
                                .directions_of_replicate = directions});
     }
-    // Fewer replicates say too little of their spread.
+    // The spread of fewer replicates says too little.
     if (replicates.size() < kLeastReplicates) replicates.clear();
     return replicates;
   }
@@ -186,7 +186,7 @@ class Measurement {
   const EnvironmentRequest& request_;
   const Observer& observer_;
   Clock::time_point start_ = Clock::now();
-  bool may_end_ = false;  // what was counted is enough for a result
+  bool may_end_ = false;  // the counts are enough for a result
   Ids ids_;
   std::unique_ptr<Engine> engine_;
   double unit_area_ = 0;

@@ -1,4 +1,4 @@
-// The environment of rows without form factors between them.
+// This file lets Python measure the environment of rows, without form factors between rows.
 #include "python/core/bindings.h"
 
 #include <viewpeel/environment.h>
@@ -7,14 +7,14 @@
 namespace viewpeel::python {
 namespace {
 
-// In: of_ids: of the rows that are not empty    Out: (form factors, standard errors) of all rows
+// Returns a column of all rows from the values of the rows that are not empty.    Out: (form factors, standard errors)
 py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids) {
   std::vector<double> values, errors;
   for (const Measured& measured : of_ids) values.push_back(measured.value), errors.push_back(measured.standard_error);
   return py::make_tuple(arrayOf(spreadOverRows(ids, values)), arrayOf(spreadOverRows(ids, errors)));
 }
 
-// In: tolerance: standard error; seconds: time limit or None
+// Measures the environment of all rows.    In: tolerance: standard error; seconds: time limit or None
 //   Out: (dict, None); (None, the exception) where Python stopped the run
 py::tuple measure(const HeldScene& held, bool by_surface, bool two_sided, const std::array<double, 3>& up,
                   double tolerance, std::optional<double> seconds, uint64_t seed, uint32_t threads,

@@ -74,7 +74,7 @@ class Bounds(unittest.TestCase):
 
 
 class Buildings(unittest.TestCase):
-    # A zone of a building alone, and the building from outside, as the program's --zone and --outside.
+    # Computes one zone of a building, and the building from outside, as the program does by --zone and --outside.
     BUILDING = os.path.join(SOURCE, "tests", "fuzz", "seeds", "idf", "rooms.idf")
 
     def test_zones_and_outside(self):

@@ -54,7 +54,7 @@ def _progress_bar() -> _ProgressBar:
 
 
 def progress_of(progress: Union[bool, Callable[[Progress], None]]) -> tuple[Any, Callable[[], None]]:
-    """The function that a run is to call, or None, and one to call at its end."""
+    """Returns the function that a run calls with its progress, or None, and a function to call at its end."""
     if progress is True:
         bar = _progress_bar()
         return bar, bar.close

@@ -1,4 +1,4 @@
-"""What leaves the scene from each row, without form factors between rows: sky view factors in seconds."""
+"""Measures the share of each row's radiation that leaves the scene, without form factors between rows."""
 
 from __future__ import annotations
 
@@ -16,10 +16,10 @@ Floats = NDArray[numpy.float64]
 
 
 class Environment:
-    """Form factors from n rows out of the scene. `environment` is all that leaves, `up` and `down` its parts above and
+    """Holds form factors from n rows out of the scene. `environment` is the whole, `up` and `down` its parts above and
     below the horizon: n float64 each, without unit, beside NAME_standard_errors. Rows are in the order of the scene;
-    empty rows have 0. names, areas (input units squared) say which row it is; replicates and directions how much was
-    counted; is_reached whether the tolerance was.
+    empty rows have 0. names and areas (input units squared) say which row it is, replicates and directions how much was
+    counted, and is_reached whether the tolerance was reached.
     """
 
     def __init__(self, columns: dict[str, Any]):
@@ -39,7 +39,7 @@ class Environment:
         return f"<viewpeel.Environment of {len(self)} rows, {self.directions} directions>"
 
     def to_frame(self) -> Any:
-        """pandas.DataFrame with a line a row, as .rows.csv has them."""
+        """Returns a pandas.DataFrame with a line for each row, as in .rows.csv."""
         import pandas
 
         columns: dict[str, Any] = {"name": self.names, "area": self.areas}

@@ -11,7 +11,7 @@ const std::string kStreet = VIEWPEEL_SCENES "/street.obj ";
 
 class EnvironmentProgram : public Program {
  protected:
-  // Runs Python, which asserts, with readers of the files.
+  // Runs a Python script, which reads the files and asserts what they have to contain.
   void judge(const std::string& script) const {
     const PythonResult judged = runPython(folder_, R"(
 import csv, h5py, json, vtkmodules.vtkIOXML as xml
@@ -68,7 +68,7 @@ assert max(float(r['environment_down']) for r in rows if r['name'].startswith('b
 assert 'form_factors' not in js and 'form_factors' not in h5 and 'leak' not in h5 and 'leak' not in rows[0]
 assert cells.GetArray('leak') is None and h5.attrs['only'] == 'environment' and 'row_sum' not in rows[0]
 )");
-  // It is no result of all form factors.
+  // A file with the environment alone makes no page.
   const Result page = run("report " + file("a.h5") + " -o " + file("a.html"));
   EXPECT_EQ(page.status, 2);
   EXPECT_NE(page.output.find("the environment of each row alone"), std::string::npos) << page.output;
@@ -80,7 +80,7 @@ TEST_F(EnvironmentProgram, UpSplitsThatOfAllFormFactors) {
 assert 'leak' in rows[0] and len(rows) == 20 and ('road', 'pavement_east') not in entries
 assert entries['road', 'environment:up'][0] == entries['road', 'environment'][0]
 )");
-  // What is up for one is down for the other.
+  // If `up` is turned over, the upper part becomes the lower one.
   const auto shareOf = [&](const std::string& up) {
     return shownValue(run("compute " + kStreet + "--by surface --tolerance 1e-2 --up " + up).output, "horizon");
   };

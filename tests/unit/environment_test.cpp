@@ -105,8 +105,8 @@ TEST(Environment, ThreadsDoNotMatterAndTheSeedDoes) {
   EXPECT_THROW(measureEnvironment(scene, {}, {.should_stop = [] { return true; }}), Error);
 }
 
-// A time limit ends a run within a round: what eight replicates of some 10,000 directions and more would take is not
-// waited for.
+// A time limit ends a run within a round. The run does not wait for eight replicates of some 10,000 directions or
+// more.
 TEST(Environment, TimeLimitEndsARunWithinARound) {
   const Scene scene = buildScene(ts::triangleSoup(300, 0.3, 3));
   const auto start = Clock::now();
@@ -115,16 +115,16 @@ TEST(Environment, TimeLimitEndsARunWithinARound) {
   EXPECT_GE(parts.replicates, 4u);
   EXPECT_LE(parts.replicates, 8u);
   EXPECT_GT(parts.largest_standard_error, 1e-9);
-  // It stops after some ten milliseconds; a loaded machine may take its time, and the whole run takes minutes.
+  // The run stops after some ten milliseconds, or later on a loaded machine. Without the limit it takes minutes.
   EXPECT_LT(secondsSince(start), 5);
-  // Without time there are four replicates of 32 directions at least.
+  // However short the time is, there are four replicates of 32 directions at least.
   const EnvironmentParts least = measureEnvironment(scene, {.tolerance = 1e-9, .time_limit_s = 1e-6});
   EXPECT_EQ(least.replicates, 4u);
   EXPECT_EQ(least.directions, 4u * 32);
   EXPECT_EQ(least.up_share_errors.size(), 4u);
 }
 
-// The parts of form factors that were computed add up to these to the bit, and have the shares that were measured.
+// The two parts add up to the run's form factors to the bit, and have the measured shares.
 TEST(Environment, SplitsThatOfFormFactors) {
   const Scene scene = buildScene(boxAndPlate());
   const Result all = computeFormFactors(scene, {.goal = Tolerance{1e-2}});
