@@ -9,8 +9,8 @@
 namespace viewpeel::program {
 namespace {
 
-// Escapes the characters that roff would interpret: backslashes, hyphens, quotes, and a dot at the start of a word,
-// since wrapping may put that word at the start of a line.
+// Escapes the characters that roff would interpret: backslashes, hyphens and quotes. A dot is escaped at the start of
+// every word, since wrapping may put the word at the start of a line.
 std::string escape(const std::string& text) {
   std::string escaped;
   for (char c : text)

@@ -74,7 +74,7 @@ void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint st
   do {
     uint meeting, meeting_eight;
     Party meeting_farther;
-    do {  // goes on to the next eight of which some invocation has to count one
+    do {  // skips groups of eight parties in which no invocation has one to count
       meeting = findMeeting(nearer, farther, eight, place, base, doubtful);
       meeting_farther = farther;
       meeting_eight = eight;

@@ -1,8 +1,8 @@
-// This bench compares lattice points with scanlines: which give the smaller error in the same time, on which engine,
-// and how does the error fall with their number? CSV on stdout has the rms error of single replicates of rotated
-// Fibonacci directions, over all ordered pairs of polygons. Comments have, for each engine and sampling, the exponent a
-// of rms ~ T^-a and the time to given errors. T is the number of lattice points or scanlines, in the best split between
-// directions and spacing.
+// This bench compares the errors of lattice points and of scanlines at equal time, for each engine. CSV on
+// stdout has the rms error of single replicates of rotated Fibonacci directions, over all ordered pairs of
+// polygons. Comments have, for each engine and sampling, the exponent a of rms ~ T^-a and the time to given
+// errors. T is the number of lattice points or scanlines, with the best split between directions and spacing for
+// each T.
 //   sampling_error [--scene plates|cube|office|room4]... [--resolution PX]... [--directions N]... [--repeats K]
 //     [--reference N] [--engine compute|host]...
 // The reference of plates, and of the inside of a cube of 96 patches, is the closed form by contour integrals. For

@@ -119,9 +119,9 @@ class PairFinder::Search {
     return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
   }
 
-  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. With distances
-  // of d or more and heights of h or less over each other's planes, a form factor is at most min(1, h_a / d) min(1, h_b
-  // / d) A / (pi d^2), where A is the larger area.
+  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. Let distances
+  // be d or more, and heights over each other's planes h or less. Then a form factor is at most min(1, h_a / d) min(1,
+  // h_b / d) A / (pi d^2), where A is the larger area.
   bool areFar(const End& a, const End& b) const {
     if (least_form_factor_ == 0 || a.has_parts || b.has_parts) return false;
     const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));

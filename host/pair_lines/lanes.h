@@ -84,7 +84,7 @@ VIEWPEEL_INLINE float numberOf(uint32_t bits) { return std::bit_cast<float>(bits
 // steps squares its error.
 template <class Numbers>
 VIEWPEEL_INLINE Numbers reciprocal(const Numbers& x) {
-  Numbers y = numberOf(0x7EF311C7u - bitsOf(x));  // to 0.13
+  Numbers y = numberOf(0x7EF311C7u - bitsOf(x));  // relative error 0.13
   for (int step = 0; step < 3; ++step) y = y * (2.0f - x * y);
   return y;
 }
@@ -92,7 +92,7 @@ VIEWPEEL_INLINE Numbers reciprocal(const Numbers& x) {
 // Returns x^-1/2 for x in [2^-100, 2^100], to 3e-7 of itself.    Source: as reciprocal
 template <class Numbers>
 VIEWPEEL_INLINE Numbers inverseRoot(const Numbers& x) {
-  Numbers y = numberOf(0x5F3759DFu - (bitsOf(x) >> 1));  // to 0.035
+  Numbers y = numberOf(0x5F3759DFu - (bitsOf(x) >> 1));  // relative error 0.035
   const Numbers half = 0.5f * x;
   for (int step = 0; step < 3; ++step) y = y * (1.5f - half * y * y);
   return y;

@@ -290,8 +290,8 @@ TEST_F(OptionPairs, OfAPlan) {
   }
 }
 
-// All runs are compared with the exact engine, which is compared with closed forms here: opposite and adjacent faces of
-// a cube (Howell, C-11 and C-14), and a wall that no line passes.
+// All other tests compare runs with the exact engine. This test compares the exact engine with closed forms: opposite
+// and adjacent faces of a cube (Howell, C-11 and C-14), and a wall that no line passes.
 TEST_F(OptionPairs, TruthEqualsTheClosedForm) {
   const double opposite = 0.199824895698, adjacent = (1 - opposite) / 4;
   for (const std::string scene : {"cube", "junctions", "plates"}) {
