@@ -107,9 +107,13 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
         fmt::format("; {} may be blocked in part and get {} of their own, against {}", counted(lines.partial, "pair"),
                     counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
   text += fmt::format(" (found in {:.2g} s)\n", lines.seconds);
+  if (lines.least_form_factor > 0)
+    text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
+                        lines.least_form_factor);
   if (plan.directions)
-    text += fmt::format("sampling   {} a replicate, {}, for environment and leak; {}; ",
-                        counted(plan.directions, "direction"), plan.sampler, describeLattices(plan));
+    text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",
+                        counted(plan.directions, "direction"), plan.sampler,
+                        lines.least_form_factor > 0 ? "the other pairs, " : "", describeLattices(plan));
   else text += "sampling   ";
   return text + fmt::format("seed {}\n", seed);
 }

@@ -139,9 +139,9 @@ std::string describeErrors(const Estimate& estimate) {
       left_out > 0 && estimate.unmet_bound < 1)
     text += fmt::format(
         "left out   {:.0f} of {:.0f} pairs, which no line met: form factors below {:.1e} each, from the smaller of the "
-        "two, at 95 % confidence;\n"
+        "two{};\n"
         "           rows add up without them\n",
-        left_out, all, estimate.unmet_bound);
+        left_out, all, estimate.unmet_bound, estimate.line_pairs ? "" : ", at 95 % confidence");
   if (estimate.guarantee) text = describeGuarantee(*estimate.guarantee) + text;
   if (!f.ids().rows_sum_to_one) return text;
   size_t unmet = 0;

@@ -28,12 +28,33 @@ using Key = std::pair<uint32_t, uint32_t>;
 constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
+// A run with counted pairs ends short of its goal after so many times its planned replicates.
+constexpr uint64_t kMostMixtureGrowth = 8;
 
-RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
+RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,
                         const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
-  sums.lines.emplace(face_ids, options.by, options.resumed ? options.resumed->lines->pairs() : std::move(pairs));
+  if (!options.resumed) {
+    sums.lines.emplace(face_ids, options.by, std::move(pairs), least_form_factor);
+    return sums;
+  }
+  const LineSums& resumed = *options.resumed->lines;
+  sums.lines.emplace(face_ids, options.by, resumed.pairs(), resumed.leastFormFactor());
   return sums;
+}
+
+// Leaves out counts of pairs that have lines, or of all pairs where each has.
+void leaveOutPairsWithLines(PairCounts& counts, const LineSums& lines) {
+  if (lines.leastFormFactor() == 0) {
+    std::erase_if(counts, [](const PairCount& count) { return count.j < kEnvironment; });
+    return;
+  }
+  auto at = lines.pairs().begin();
+  const auto end = lines.pairs().end();
+  std::erase_if(counts, [&](const PairCount& count) {
+    while (at != end && keyOf(*at) < keyOf(count)) ++at;
+    return at != end && keyOf(*at) == keyOf(count);
+  });
 }
 
 }  // namespace
@@ -73,12 +94,12 @@ std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, c
 }
 
 LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLines& lines, std::vector<LinePair> pairs,
-                 EstimateOptions options)
+                 double least_form_factor, EstimateOptions options)
     : engine_(engine),
       lines_(lines),
       options_(std::move(options)),
       count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
-      sums_(sumsToBeginWith(scene, face_ids, std::move(pairs), options_)) {
+      sums_(sumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, options_)) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
     sums_.add(*options_.resumed);
@@ -130,9 +151,14 @@ void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
   const FormFactors all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(all);
+  planFurther(hasCountedPairs() ? findWantingOfMixture(all) : findWanting(all));
+}
+
+// Returns the entries whose lines are too few for the goals, sorted, and their errors over the errors allowed.
+LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
   const Ids& ids = all.ids();
   const std::vector<double> row_variances = findRowVariances(all);
-  std::vector<std::pair<Key, double>> wanting;  // entries and their excess, sorted
+  Wanting wanting;
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j == kEnvironment) continue;
     const double error = entry.exchange_area.standard_error;
@@ -141,11 +167,35 @@ void LineRun::measureErrors() {
       if (id < kEnvironment) excess = std::max(excess, error / std::sqrt(row_variances[id]));
     if (excess > 1) wanting.emplace_back(keyOf(entry), excess);
   }
-  planFurther(wanting);
+  return wanting;
 }
 
-// Plans further lines for the next replicate, for entries above the goal.
-void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
+// Returns the same where common directions have counted pairs. Lines reduce their own part of an entry's error alone.
+//   Out: needs_directions_: whether an entry errs too much by what was counted
+LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
+  const Ids& ids = all.ids();
+  const std::vector<FormFactors::Entry> lines = sums_.lines->entriesOfResult();
+  Wanting wanting;
+  needs_directions_ = false;
+  auto line = lines.begin();
+  for (const FormFactors::Entry& entry : all.entries()) {
+    const double excess = excessOf(entry, ids);
+    if (!(excess > 1)) continue;
+    while (line != lines.end() && keyOf(*line) < keyOf(entry)) ++line;
+    const bool has_lines = line != lines.end() && keyOf(*line) == keyOf(entry);
+    const double of_lines = has_lines ? line->exchange_area.standard_error : 0,
+                 whole = entry.exchange_area.standard_error, allowed = whole / excess,
+                 of_counts = std::sqrt(std::max(0.0, whole * whole - of_lines * of_lines));
+    if (has_lines && of_counts < allowed)
+      wanting.emplace_back(keyOf(entry), of_lines / std::sqrt(allowed * allowed - of_counts * of_counts));
+    // Pairs of polygons that were counted are within the goal whatever their counts (kMostOfCounted).
+    else if (options_.by == By::surface || entry.j >= kEnvironment) needs_directions_ = true;
+  }
+  return wanting;
+}
+
+// Plans the next replicate: lines that bring wanting entries to the goal, and common directions if these are needed.
+void LineRun::planFurther(const Wanting& wanting) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
   further_.assign(wanting.empty() ? 0 : pairs.size(), 0);
   is_reached_ = true;
@@ -161,6 +211,11 @@ void LineRun::planFurther(const std::vector<std::pair<Key, double>>& wanting) {
     is_reached_ = false;
   }
   if (is_reached_) further_.clear();
+  if (!hasCountedPairs() || !needs_directions_) return;
+  is_reached_ = false;
+  if (sums_.replicateCount() < kMostMixtureGrowth * options_.replicates &&
+      double(sums_.by_id.pairs().size()) < kMostCountedPairs)
+    further_.resize(pairs.size(), 0);
 }
 
 // Returns an entry's error over the error that the goals allow.
@@ -177,7 +232,8 @@ bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
   const auto done_here = double(done - resumed_count_);
   double next = secondsSince(start_) / std::max(done_here, 1.0);
-  if (!further_.empty()) next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
+  if (!further_.empty() && !needs_directions_)
+    next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
   if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
   return done >= options_.replicates && (options_.is_exact || further_.empty());
 }
@@ -195,8 +251,7 @@ void LineRun::step() {
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
-  // Only counts of environment and leak are kept.
-  std::erase_if(common, [](const PairCount& count) { return count.j < kEnvironment; });
+  leaveOutPairsWithLines(common, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);
   measureErrors();

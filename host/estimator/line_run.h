@@ -1,19 +1,18 @@
 // A LineRun draws pair lines until the goal is reached, one replicate a step.
 //
-// It has few common directions, to find which rows see the environment and where lines leak. Form factors between faces
-// come from pair lines (pair_lines.h).
+// Form factors between faces come from pair lines (pair_lines.h): of all pairs, or of pairs whose unoccluded form
+// factor is large enough. Common directions count the other pairs. They also tell which rows see the environment and
+// where lines leak.
 #pragma once
 #include <functional>
 #include <optional>
 
 #include "estimator/estimate.h"
+#include "estimator/line_mixture.h"
 #include "pair_lines/pair_lines.h"
 #include "stopwatch.h"
 
 namespace viewpeel {
-
-// A replicate has this number of common directions: directions that all pairs share, for environment and leak.
-constexpr uint32_t kLineRunDirections = 32;
 
 // For a goal T a pair's standard error must be T / kErrorsInGoal, so that the largest error of all pairs is hardly ever
 // above T. Environment and leak are sums over many pairs: extreme errors are rare, and there are few of them, so fewer
@@ -32,10 +31,10 @@ class LineRun {
  public:
   // Begins a run, or continues options.resumed.
   //   In: engine, face_ids: for common directions; lines: after planLines; pairs: from planLines, ignored with
-  //   options.resumed; all but pairs are kept by reference. options: goals, replicates, first_replicate, seed, sampler,
-  //   directions, resumed, by
+  //   options.resumed; all but pairs are kept by reference. least_form_factor: as in LineSums, of these pairs. options:
+  //   goals, replicates, first_replicate, seed, sampler, directions, resumed, by
   LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLines& lines, std::vector<LinePair> pairs,
-          EstimateOptions options);
+          double least_form_factor, EstimateOptions options);
 
   // Returns whether the goal is reached, or the next replicate would end after the time limit.
   bool isDone() const;
@@ -50,8 +49,12 @@ class LineRun {
 
  private:
   void measureErrors();
+  using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
+  bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
   std::vector<double> findRowVariances(const FormFactors& all) const;
-  void planFurther(const std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>& wanting);
+  Wanting findWanting(const FormFactors& all) const;
+  Wanting findWantingOfMixture(const FormFactors& all);
+  void planFurther(const Wanting& wanting);
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
 
@@ -63,7 +66,8 @@ class LineRun {
   double largest_error_ = INFINITY;
   // By pair: how many times its planned lines it draws in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
-  bool is_reached_ = false;  // whether all pairs have the lines that their goal needs
+  bool needs_directions_ = false;  // whether counts of common directions err by more than the goal allows
+  bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
 };

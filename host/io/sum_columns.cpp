@@ -207,6 +207,7 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   const LineSums& lines = *sums.lines;
   out.write("lines/by_surface", std::vector<uint8_t>{lines.by() == By::surface});
   out.write("lines/replicate_count", std::vector<uint64_t>{lines.replicateCount()});
+  out.write("lines/least_form_factor", std::vector<double>{lines.leastFormFactor()});
   const auto& pairs = lines.pairs();
   writeColumn<uint32_t>(out, "lines/i", pairs, [](const LinePair& pair) { return pair.i; });
   writeColumn<uint32_t>(out, "lines/j", pairs, [](const LinePair& pair) { return pair.j; });
@@ -341,7 +342,9 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   if (!are_whole) in.refuse("its 'lines' are no sums of lines");
   const By by = readOne<uint8_t>(in, "lines/by_surface") ? By::surface : By::polygon;
   const auto replicate_count = readOne<uint64_t>(in, "lines/replicate_count");
-  return LineSums(face_ids, by, std::move(pairs), std::move(sums), replicate_count);
+  const auto least = readOne<double>(in, "lines/least_form_factor");
+  if (!(least >= 0 && least <= 1)) in.refuse("its 'lines/least_form_factor' is no form factor");
+  return LineSums(face_ids, by, std::move(pairs), least, std::move(sums), replicate_count);
 }
 
 }  // namespace viewpeel

@@ -17,10 +17,11 @@ namespace {
 constexpr size_t kChunk = 64;             // pairs that a thread takes at once
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
-constexpr double kLarge = 0.3;       // above this unoccluded form factor lines are drawn by angles
-constexpr double kNear = 0.15;       // so are they where the gap is below this many diagonals of the smaller patch
-constexpr double kLeastNear = 1e-3;  // and the form factor is above this
-constexpr double kUneven = 0.2;      // and where lines by points have a smaller effective share
+constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
+constexpr double kLarge = 0.3;            // above this unoccluded form factor lines are drawn by angles
+constexpr double kNear = 0.15;            // so are they where the gap is below this many diagonals of the smaller patch
+constexpr double kLeastNear = 1e-3;       // and the form factor is above this
+constexpr double kUneven = 0.2;           // and where lines by points have a smaller effective share
 constexpr uint32_t kMostPeriod = 8;
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -77,6 +78,25 @@ void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor)
     pairs[kept] = pairs[k], groups_[kept++] = groups_[k];
   }
   pairs.resize(kept), groups_.resize(kept);
+}
+
+double PairLines::estimatePairs() const {
+  const std::vector<Patch>& patches = finder_.patches();
+  const auto isInFront = [](const Patch& of, const Patch& other) {
+    return std::ranges::any_of(other.corners, [&](const glm::dvec3& corner) {
+      return glm::dot(of.normal, corner) > of.offset + kTouchingShaft;
+    });
+  };
+  uint64_t count = 0;
+  Hash places;
+  for (uint32_t k = 0; k < kSampledPairs; ++k) {
+    places.add(uint64_t(k));
+    const uint64_t place = places.value();
+    const Patch &a = patches[(place >> 32) % patches.size()], &b = patches[(place & UINT32_MAX) % patches.size()];
+    const bool is_pair = a.id != b.id && ((a.emits && b.receives) || (b.emits && a.receives));
+    count += is_pair && isInFront(a, b) && isInFront(b, a);
+  }
+  return 0.5 * double(count) / kSampledPairs * double(patches.size()) * double(patches.size());
 }
 
 PairLinesFigures PairLines::figures() const {

@@ -45,6 +45,9 @@ class PairLines {
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
+  // Returns about how many pairs of faces have an unoccluded form factor above 0, from a sample of pairs.
+  //   Error: some 2 % of all pairs    Cost: 4,096 pairs of patches.
+  double estimatePairs() const;
   PairLinesFigures figures() const;
   // Returns whether coincident polygons have no order (PairFinder). Then pair lines cannot be used.
   bool hasUnordered() const { return finder_.hasUnordered(); }

@@ -22,6 +22,7 @@ constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is teste
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
+constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // the latter on the engine of a mixture
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -64,10 +65,15 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
+// Counts directions that are none of the run's: they say what the plan has to expect.
+PairCounts FormFactorRun::State::countDirections(uint32_t count) {
+  if (plan->directions == 0) return {};
+  return plan->engine->count(
+      sampleDirections(setup.estimate().sampler, count, setup.request().seed, kLineReplicates.first));
+}
+
 // Returns the largest share of a row's lines that end on backs, over a few directions.
-double FormFactorRun::State::measureLeaks() {
-  const PairCounts counts = plan->engine->count(
-      sampleDirections(setup.estimate().sampler, 2 * kLineRunDirections, setup.request().seed, kLineReplicates.first));
+double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
   std::vector<double> all(setup.faceIds().count()), leaked(all.size());
   for (const PairCount& count : counts) {
     for (const uint32_t id : {count.i, count.j})
@@ -90,41 +96,103 @@ uint32_t FormFactorRun::State::commonDirections() const {
       std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
 }
 
-// Makes pair_lines and an engine for a few common directions, and finds blockers.    Out: false where coincident
-// polygons have no order
-bool FormFactorRun::State::makePairLines() {
-  plan.emplace();
-  plan->directions = setup.faceIds().counts_environment ? commonDirections() : 0;
-  const Lattices lattices = setup.lattices();
-  plan->groups = groupAsOne(setup.scene(), lattices.lattice.resolution);
+// Makes the engine of common directions. Where these count pairs, small polygons have windows of their own.
+void FormFactorRun::State::makeLineEngine() {
+  Lattices lattices = setup.lattices();
+  int& resolution = lattices.lattice.resolution;
+  const bool is_mixture = line_mixture.resolution > 0;
+  if (is_mixture) resolution = line_mixture.resolution;
+  plan->directions = setup.faceIds().counts_environment ? line_mixture.directions : 0;
+  plan->groups = is_mixture && setup.mayHaveWindows() ? planGroups(setup.scene(), setup.faceIds(), setup.sampling(),
+                                                                   resolution, resolution, plan->directions)
+                                                      : groupAsOne(setup.scene(), resolution);
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
-  leaked_share = plan->directions > 0 && !resumed ? measureLeaks() : 0;
+}
+
+// Decides whether all pairs have lines, or only those that are not small against the goal.
+//   In: counts: along pilot directions    Out: why neither is possible, else empty
+std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
+  if (resumed) {
+    const double least = resumed->sums.lines->leastFormFactor();
+    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0};
+    makeLineEngine();
+    return "";
+  }
+  if (!setup.mayMix()) return "";
+  const uint32_t replicates = setup.estimate().replicates;
+  LineWork work{pair_lines->estimatePairs(), double(counts.size()) / kPilotDirections};
+  const LineMixture mixture = setup.mixture();
+  if (paysLinesForAll(work, mixture, replicates)) return "";
+  std::string why =
+      "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";
+  if (shareOutside(counts) <= kGrazedOfScene) {
+    why = "the scene has too many pairs of polygons";
+    if (fitMixture(mixture, work) && !paysLinesForAll(work, mixture, replicates)) return "";
+  }
+  const bool gives_all = paysLinesForAll(work, mixture, replicates) ||
+                         (setup.request().pair_lines && work.facing_pairs <= double(kMostPatchPairs));
+  line_mixture = {};
+  makeLineEngine();
+  return gives_all ? "" : why;
+}
+
+// Takes the finest lattice at which the sums of counted pairs fit into memory.
+//   Out: line_mixture and its engine; work: pairs of a direction on this lattice; false where none fits
+bool FormFactorRun::State::fitMixture(LineMixture mixture, LineWork& work) {
+  constexpr int kLeastResolution = 64;
+  for (;; mixture.resolution = std::max(mixture.resolution / 2, kLeastResolution)) {
+    line_mixture = mixture;
+    makeLineEngine();
+    work.pairs_of_direction = double(countDirections(kTriedDirections).size()) / kTriedDirections;
+    if (!countsTooMany(work, mixture, setup.estimate().replicates)) return true;
+    if (mixture.resolution <= kLeastResolution) return false;
+  }
+}
+
+// Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,
+// else empty
+std::string FormFactorRun::State::makePairLines() {
+  plan.emplace();
+  line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
+  makeLineEngine();
+  const PairCounts counts = resumed ? PairCounts() : countDirections(kPilotDirections);
+  leaked_share = measureLeaks(counts);
   // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak =
       resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share && !(setup.leastFormFactor() > 0);
-  pair_lines.emplace(
-      setup.scene(), setup.faceIds(), with_leak, setup.request().seed, setup.request().threads,
-      [this] { stopIfRequested(); }, setup.lineDevice());
-  if (pair_lines->hasUnordered() && (setup.request().pair_lines || resumed))
+  const auto make = [&](bool has_backs) {
+    pair_lines.emplace(
+        setup.scene(), setup.faceIds(), has_backs, setup.request().seed, setup.request().threads,
+        [this] { stopIfRequested(); }, setup.lineDevice());
+  };
+  make(with_leak);
+  const bool insists = setup.request().pair_lines.value_or(false) || resumed;
+  if (pair_lines->hasUnordered() && insists)
     throw Error(
         ErrorCode::bad_usage,
         "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
-  return !pair_lines->hasUnordered();
+  if (pair_lines->hasUnordered()) return "coincident polygons have no order";
+  const std::string why = takeMixture(counts);
+  if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
+  if (line_mixture.least_form_factor > 0 && with_leak) make(false);  // common directions count the leak
+  return why;
 }
 
 // Finds the pairs that get lines.    Out: false where there are too many of them
 bool FormFactorRun::State::findLinePairs() {
-  line_pairs = pair_lines->find(setup.leastFormFactor());
+  line_pairs = pair_lines->find(line_mixture.least_form_factor);
   if (pair_lines->hasTooMany()) requireNoPairLines();
   return !pair_lines->hasTooMany();
 }
 
 // Plans a few common directions and the lines of each pair: a promise where possible, else an estimate.
 void FormFactorRun::State::planPairLines() {
-  if (!makePairLines()) return planWithoutPairLines("coincident polygons have no order");
+  if (const std::string why = makePairLines(); !why.empty()) return planWithoutPairLines(why);
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
+  if (setup.mayMix() && no_promise.empty())
+    no_promise = fmt::format("there are more than {} polygons", kMostPairLineFaces);
   if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
 }
 
@@ -141,7 +209,8 @@ void FormFactorRun::State::planEstimateLines() {
     line_pairs = planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
-  plan->pair_lines = {figures.clear, figures.partial, 0, figures.blockers, secondsSince(*start)};
+  plan->pair_lines = {figures.clear,    figures.partial,      0,
+                      figures.blockers, secondsSince(*start), line_mixture.least_form_factor};
   for (const LinePair& pair : line_pairs)
     plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }
@@ -184,7 +253,7 @@ void FormFactorRun::State::planGuarantee() {
 
 // Plans a guarantee by pair lines. Returns false where pair lines cannot be used.
 bool FormFactorRun::State::planLineGuarantee() {
-  if (!makePairLines() || !findLinePairs()) return false;
+  if (!makePairLines().empty() || !findLinePairs()) return false;
   makeLineGuarantee();
   line_guarantee->measureSeconds();
   const LineGuaranteeFigures& figures = line_guarantee->figures();

@@ -42,7 +42,8 @@ struct FormFactorRun::State {
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
-  std::vector<LinePair> line_pairs;  // with their planned lines
+  LineMixture line_mixture{};        // pairs with lines, and directions that count the others
+  std::vector<LinePair> line_pairs;  // as found, then with their planned lines
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
@@ -102,8 +103,12 @@ struct FormFactorRun::State {
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();
-  double measureLeaks();
-  bool makePairLines();
+  PairCounts countDirections(uint32_t count);
+  double measureLeaks(const PairCounts& counts) const;
+  std::string makePairLines();
+  std::string takeMixture(const PairCounts& counts);
+  bool fitMixture(LineMixture mixture, LineWork& work);
+  void makeLineEngine();
   void planPairLines();
   void planEstimateLines();
   void planEstimateOfDirections();

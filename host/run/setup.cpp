@@ -126,17 +126,29 @@ void Setup::settleUnoccluded() {
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 
-// Decides whether to use pair lines. In large scenes common directions reach rough tolerances sooner (docs/speed.md),
-// but no guarantee.
+// Decides whether to use pair lines. In large scenes a guarantee has them, and so may a tolerance of the whole matrix:
+// there the plan says which pairs get them (line_mixture.h).
 void Setup::settlePairLines() {
   const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
                        (guarantee() || request_.engine == EngineKind::automatic ||
                         request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
-  const bool pays = (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0) &&
+  const bool pays = (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0 || mayMix()) &&
                     (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
   const bool is_promise = request_.promise.value_or(false);  // then pair lines are used whatever they cost
   pair_lines_ = request_.pair_lines.value_or(is_promise || (is_open && pays && mayUsePairLines(request_)));
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
+}
+
+bool Setup::mayMix() const {
+  return scene_.faces.size() > kMostPairLineFaces && !guarantee() && (estimate_.tolerance || estimate_.relative) &&
+         !request_.promise.value_or(false) && request_.question.isEverything() &&
+         mayFit(mixture(), estimate_.replicates, face_ids_.count());
+}
+
+LineMixture Setup::mixture() const {
+  double area = 0;
+  for (const double of_face : face_ids_.areas) area += of_face;
+  return mixtureFor(estimate_, area / double(face_ids_.count()) / (scene_.scale * scene_.scale));
 }
 
 double Setup::leastFormFactor() const {
@@ -265,9 +277,12 @@ void Setup::adoptPlan(const Settings& stored) {
   }
 }
 
+bool Setup::mayHaveWindows() const {
+  return (engine_ == EngineKind::compute || engine_ == EngineKind::host) && ids_.roles.empty();
+}
+
 Lattices Setup::lattices() const {
-  const bool has_windows = engine_ == EngineKind::compute || engine_ == EngineKind::host;
-  Lattices lattices{make_engine_, lattice_, resolution_, has_windows && ids_.roles.empty() && !resolution_, nullptr};
+  Lattices lattices{make_engine_, lattice_, resolution_, mayHaveWindows() && !resolution_, nullptr};
   lattices.lattice.count_blocked = usesUnoccluded();
   if (usesUnoccluded()) lattices.face_ids = &face_ids_;
   return lattices;

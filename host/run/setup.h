@@ -7,6 +7,7 @@
 
 #include "estimator/directed_pairs.h"
 #include "estimator/guarantee.h"
+#include "estimator/line_mixture.h"
 #include "estimator/plan.h"
 
 namespace viewpeel {
@@ -66,6 +67,11 @@ class Setup {
   // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
+  // Returns whether common directions may count what is small against the goal (line_mixture.h).
+  bool mayMix() const;
+  LineMixture mixture() const;
+  // Returns whether small polygons may have lattices of their own.
+  bool mayHaveWindows() const;
   Lattices lattices() const;
   // Returns the sampler of directed pairs, which have directions of their own.
   PairSampler pairSampler() const;

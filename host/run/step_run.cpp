@@ -78,7 +78,7 @@ void FormFactorRun::State::begin() {
   progress.directions_of_replicate = plan->directions;
   if (pair_lines) {
     line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs),
-                     estimateOptions());
+                     line_mixture.least_form_factor, estimateOptions());
     is_done = line_run->isDone();
     return;
   }

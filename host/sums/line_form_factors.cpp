@@ -12,27 +12,24 @@ namespace {
 // A row that lacks more than this number of standard errors surely sees the environment.
 constexpr double kBeyondDoubt = 3;
 
-// Returns entries between surfaces: sums of the entries between their faces, whose errors are independent.
-std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
-                                               const std::vector<uint32_t>& surface) {
-  for (FormFactors::Entry& entry : entries) {
-    const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
-    // A surface's exchange with itself has each pair of its faces twice, once in either direction.
-    const double ways = i == j ? 2 : 1;
-    entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
-  }
-  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
-  std::vector<FormFactors::Entry> merged;
-  for (const FormFactors::Entry& entry : entries) {
-    if (merged.empty() || keyOf(merged.back()) != keyOf(entry)) {
-      merged.push_back(entry);
-      continue;
+// Adds the pairs that common directions counted to the entries of pairs with lines. No pair is among both but between
+// surfaces, whose pairs of faces may be of either kind.
+//   In: least_form_factor: 0 between surfaces
+void addCounted(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
+                double count_area, double least_form_factor) {
+  const auto line_count = static_cast<std::ptrdiff_t>(entries.size());
+  entries.reserve(entries.size() + counted.pairs().size());
+  for (const ReplicateSums::PairSum& pair : counted.pairs()) {
+    Measured exchange = counted.exchangeArea(pair, measure_area, count_area);
+    if (least_form_factor > 0 && pair.j < kEnvironment) {
+      const double largest = least_form_factor * counted.ids().smallerArea(pair.i, pair.j);
+      exchange.value = std::min(exchange.value, kMostOfCounted * largest);
+      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, largest));
     }
-    Measured& sum = merged.back().exchange_area;
-    sum.value += entry.exchange_area.value;
-    sum.standard_error = std::hypot(sum.standard_error, entry.exchange_area.standard_error);
+    entries.push_back({pair.i, pair.j, exchange});
   }
-  return merged;
+  std::ranges::inplace_merge(entries, entries.begin() + line_count, {}, keyOf<FormFactors::Entry>);
+  addSameKeys(entries);
 }
 
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
@@ -66,7 +63,18 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
 
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
-  return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
+  if (lines.leastFormFactor() == 0)
+    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
+  const Ids& ids = counted.ids();
+  std::vector<FormFactors::Entry> entries = lines.entries();
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  std::vector<Measured> rows = sumRows(entries, ids.areas);
+  addCounted(entries, counted, measure_area, count_area, by == By::polygon ? lines.leastFormFactor() : 0);
+  const std::vector<Measured> values = sumRows(entries, ids.areas), counted_rows = counted.measureRows(measure_area);
+  // Entries that the same directions counted do not err independently, so their row sums have a spread of their own.
+  for (size_t k = 0; k < rows.size(); ++k)
+    rows[k] = {values[k].value, std::hypot(rows[k].standard_error, counted_rows[k].standard_error)};
+  return {ids, std::move(entries), std::move(rows)};
 }
 
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,

@@ -6,14 +6,20 @@
 
 namespace viewpeel {
 
+// A counted form factor is cut to so many times the least form factor with lines, which is more than it can be. Few
+// lines stand for it and for others like it that none met: where it were cut to less, row sums would be too small.
+constexpr double kMostOfCounted = 10;
+
 // Returns the form factors between all rows, and from each row to environment and leak.
 //   In: lines: pair lines of pairs of faces; by: whether rows of the result are faces or surfaces; counted: counts
 //     along common directions, by these rows; measure_area, count_area: as in ReplicateSums
-//   Out: Entries between rows come from pair lines. So does leak, or from common directions where no pair lines found
-//     it. The environment of a row is 1 less its pairs and its leak. A row has an environment if a common direction saw
-//     one of its lines leave the scene. It also has one if it lacks more than three standard errors and any line left
-//     the scene. Other rows have none, and need not add up to 1.
-//   Error: the variance of environment is that of the row's pairs and of its leak together.
+//   Out: Where all pairs have lines, entries between rows come from lines. So does leak, or from common directions
+//     where no pair lines found it. The environment of a row is 1 less its pairs and its leak. A row has an environment
+//     if a common direction saw one of its lines leave the scene. It also has one if it lacks more than three standard
+//     errors and any line left the scene. Other rows have none, and need not add up to 1.
+//     Where pairs below a least form factor have no lines, common directions have counted these, environment and leak.
+//   Error: the variance of environment is that of the row's pairs and of its leak together, or that of its counts. A
+//     counted form factor errs by at most kMostOfCounted times the least form factor, from the smaller face.
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 

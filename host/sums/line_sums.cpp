@@ -28,13 +28,19 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
   return std::minmax(face_ids.surface[pair.i], is_leak ? kLeak : face_ids.surface[pair.j]);
 }
 
-LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs)
-    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), sums_(pairs_.size()) {}
-
-LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count)
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor)
     : ids_(std::move(ids)),
       by_(by),
       pairs_(std::move(pairs)),
+      least_form_factor_(least_form_factor),
+      sums_(pairs_.size()) {}
+
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, std::vector<PairSum> sums,
+                   uint64_t replicate_count)
+    : ids_(std::move(ids)),
+      by_(by),
+      pairs_(std::move(pairs)),
+      least_form_factor_(least_form_factor),
       sums_(std::move(sums)),
       replicate_count_(replicate_count) {}
 
@@ -111,7 +117,12 @@ bool LineSums::goesWith(const LineSums& others) const {
   const auto linesOf = [](const LinePair& pair) {
     return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles);
   };
-  return by_ == others.by_ && std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
+  return by_ == others.by_ && least_form_factor_ == others.least_form_factor_ &&
+         std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
+}
+
+std::vector<FormFactors::Entry> LineSums::entriesOfResult() const {
+  return by_ == By::polygon ? entries() : mergeBySurface(entries(), ids_.surface);
 }
 
 bool LineSums::hasBacks() const {
@@ -137,6 +148,34 @@ std::vector<FormFactors::Entry> LineSums::entries() const {
     leak = {leak.value + exchange.value, std::hypot(leak.standard_error, exchange.standard_error)};
   }
   return entries;
+}
+
+std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
+                                               const std::vector<uint32_t>& surface) {
+  for (FormFactors::Entry& entry : entries) {
+    const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
+    // Two faces of one surface exchange both ways within it.
+    const double ways = i == j ? 2 : 1;
+    entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
+  }
+  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
+  addSameKeys(entries);
+  return entries;
+}
+
+void addSameKeys(std::vector<FormFactors::Entry>& entries) {
+  if (entries.empty()) return;
+  auto last = entries.begin();
+  for (auto entry = last + 1; entry != entries.end(); ++entry) {
+    if (keyOf(*entry) != keyOf(*last)) {
+      *++last = *entry;
+      continue;
+    }
+    Measured& sum = last->exchange_area;
+    sum.value += entry->exchange_area.value;
+    sum.standard_error = std::hypot(sum.standard_error, entry->exchange_area.standard_error);
+  }
+  entries.erase(last + 1, entries.end());
 }
 
 }  // namespace viewpeel

@@ -71,10 +71,12 @@ class LineSums {
 
   // Makes sums of no replicates.
   //   In: ids: ids of all faces; by: whether rows of the result are faces or surfaces; pairs: sorted by (i, j), every
-  //     pair at most once
-  LineSums(Ids ids, By by, std::vector<LinePair> pairs);
+  //     pair at most once; least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are not
+  //     among them
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor = 0);
   // Restores sums from a checkpoint.    In: sums: PairSum[pairs]
-  LineSums(Ids ids, By by, std::vector<LinePair> pairs, std::vector<PairSum> sums, uint64_t replicate_count);
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, std::vector<PairSum> sums,
+           uint64_t replicate_count);
 
   // Adds one replicate.
   void add(const LineCounts& counts);
@@ -86,6 +88,9 @@ class LineSums {
   const Ids& ids() const { return ids_; }
   By by() const { return by_; }
   const std::vector<LinePair>& pairs() const { return pairs_; }
+  // Pairs with a smaller unoccluded form factor, from the smaller face, are counted by common directions. With 0 no
+  // pair is.
+  double leastFormFactor() const { return least_form_factor_; }
   const std::vector<PairSum>& sums() const { return sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
   // Returns the number of lines of all pairs in all replicates so far.
@@ -100,6 +105,8 @@ class LineSums {
   // pairs with backs. They are sorted, and in input units squared.
   //   Error: docs/method.md, eq. (47); bench/programs/coverage.cpp measures how often intervals hold the truth.
   std::vector<FormFactors::Entry> entries() const;
+  // Returns the same by the result's rows: between faces, or added up between surfaces.
+  std::vector<FormFactors::Entry> entriesOfResult() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;
   // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that both can be
@@ -110,9 +117,17 @@ class LineSums {
   Ids ids_;
   By by_;
   std::vector<LinePair> pairs_;
+  double least_form_factor_;
   std::vector<PairSum> sums_;
   uint64_t replicate_count_ = 0;
 };
+
+// Returns entries between surfaces: sums of the entries between their faces, whose errors are independent.
+std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
+                                               const std::vector<uint32_t>& surface);
+
+// Adds up entries of one pair of ids, whose errors are independent.    In: entries: sorted by (i, j)
+void addSameKeys(std::vector<FormFactors::Entry>& entries);
 
 // A Visibility is an estimate with its variance. Without lines it is 1/2, with the variance of a number that is 0 or 1.
 struct Visibility {

@@ -73,13 +73,17 @@ FormFactors ReplicateSums::formFactors(double measure_area, double count_area) c
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
   for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
+  return {ids_, std::move(entries), measureRows(measure_area)};
+}
+
+std::vector<Measured> ReplicateSums::measureRows(double measure_area) const {
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
     const Measured count = measure(row_sums_[k], 0);
     const double scale = 2 * measure_area / ids_.areas[k];
     rows.push_back({count.value * scale, count.standard_error * scale});
   }
-  return {ids_, std::move(entries), std::move(rows)};
+  return rows;
 }
 
 double ReplicateSums::largestStandardError(double measure_area, double count_area) const {

@@ -59,6 +59,8 @@ class ReplicateSums {
   //     unitArea() scale^2; infinite where it is unknown. Both are in input units squared.
   //   Error: values have rounding alone; standard errors: docs/method.md, eq. (12); tests/unit/form_factors_test.cpp.
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
+  // Returns the row sums of the same form factors, with their own spread over replicates.
+  std::vector<Measured> measureRows(double measure_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 

@@ -102,6 +102,8 @@ struct PairLinesSummary {
   uint64_t lines = 0;     // of these pairs, in all replicates of the request
   uint64_t blockers = 0;  // number of blockers, after joining neighbouring polygons
   double seconds = 0;     // spent on finding the pairs and planning their lines
+  // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions.
+  double least_form_factor = 0;
 };
 
 // A PlanSummary says what a run will do, and which error and time are expected.

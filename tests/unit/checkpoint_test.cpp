@@ -129,11 +129,11 @@ TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
 // to the bytes of the whole in any order. A file in which a pair has another number of lines belongs to another run and
 // is refused.
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
-  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3) {
+  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3, double least = 0.01) {
     const std::vector<LinePair> pairs = {
         {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, blocks}, {1, ids_.count() + 2, 0.25, 0, 1, 2, true}};
     RunSums sums = makeRunSums(scene_, ids_);
-    sums.lines.emplace(ids_, By::polygon, pairs);
+    sums.lines.emplace(ids_, By::polygon, pairs, least);
     sums.measure_area = 0.1;
     for (const uint64_t replicate : replicates)
       sums.addLines(replicate, {{0, kEnvironment, 5 + replicate, 0}}, 10,
@@ -160,6 +160,8 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_EQ(bytesOf(mergeCheckpoints({file("b.h5"), file("a.h5")}).sums), whole);
   writeCheckpoint(kSettings, sumsWithLines({1, 3}, 4), file("c.h5"));
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
+  writeCheckpoint(kSettings, sumsWithLines({1, 3}, 3, 0.02), file("d.h5"));
+  EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("d.h5")}), Error);
 }
 
 // Merged parts of a run with priors have the bytes of one run: control variates are integers, and all parts have the
@@ -265,7 +267,7 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{7}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{8}),
         std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };

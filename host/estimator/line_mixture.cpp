@@ -1,0 +1,65 @@
+#include "estimator/line_mixture.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "pair_lines/find_pairs.h"
+#include "sums/line_form_factors.h"
+
+namespace viewpeel {
+namespace {
+
+// Along one of N directions a pair exchanges a form factor of 2 / N at most. At half the goal there is room for two
+// such directions before a count is cut to the goal.
+constexpr double kDirectionsOfGoal = 4;
+// A polygon of the mean area gets so many scanlines, or lattice points to a side, along each direction. The error that
+// scanlines add to a row sum is then about what the goal allows it: docs/method.md, mixtures.
+constexpr double kLinesOfSide = 3.4;
+constexpr double kMostResolution = 1024;
+// Processor seconds. Finding a pair and what is between took 0.4 us in rooms and offices, 3 to 8 us in cities.
+constexpr double kSecondsOfPair = 1e-6;
+constexpr double kSecondsOfCount = 2e-7;  // of a pair that a common direction counts
+constexpr double kWorth = 3;              // times the seconds of the mixture
+constexpr double kSoon = 0.5;             // seconds that are worth no thought
+
+}  // namespace
+
+LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
+  double goal = options.tolerance.value_or(1);
+  if (options.relative) goal = std::min(goal, *options.relative * options.relative_floor);
+  LineMixture mixture;
+  mixture.least_form_factor = goal / kMostOfCounted;
+  const double directions = std::ceil(kDirectionsOfGoal / goal / options.replicates);
+  mixture.directions = static_cast<uint32_t>(std::clamp(directions, double(kLineRunDirections), 1e6));
+  // The lattice is 2 radii across.
+  const double resolution = 2 * kLinesOfSide / std::sqrt(mean_area);
+  mixture.resolution = static_cast<int>(std::clamp(resolution, double(LatticeOptions{}.resolution), kMostResolution));
+  return mixture;
+}
+
+double shareOutside(const PairCounts& counts) {
+  double all = 0, outside = 0;
+  for (const PairCount& count : counts) {
+    const bool is_pair = count.j < kEnvironment;
+    all += (is_pair ? 2 : 1) * double(count.count);
+    if (!is_pair) outside += double(count.count);
+  }
+  return all > 0 ? outside / all : 0;
+}
+
+bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count) {
+  return !countsTooMany({.pairs_of_direction = double(face_count) / 4}, mixture, replicates);
+}
+
+bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
+  if (work.facing_pairs > double(kMostPatchPairs)) return false;
+  const double of_pairs = work.facing_pairs * kSecondsOfPair,
+               of_directions = work.pairs_of_direction * kSecondsOfCount * mixture.directions * replicates;
+  return of_pairs <= std::max(kSoon, kWorth * of_directions);
+}
+
+bool countsTooMany(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
+  return work.pairs_of_direction * mixture.directions * replicates > kMostCountedPairs;
+}
+
+}  // namespace viewpeel

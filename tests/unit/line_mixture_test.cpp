@@ -1,0 +1,282 @@
+// These tests judge runs in which large pairs have lines of their own and common directions count all others. They
+// compare such a run with a finer one in which all pairs have lines, and with itself: in other threads, after a stop,
+// between surfaces.
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <memory>
+
+#include <gtest/gtest.h>
+
+#include <viewpeel/compute.h>
+
+#include "engines/host_engine.h"
+#include "estimator/line_mixture.h"
+#include "estimator/line_run.h"
+#include "io/checkpoint.h"
+#include "pair_lines/find_pairs.h"
+#include "scenes/generate.h"
+#include "scenes/shared_engine.h"
+#include "sums/line_form_factors.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr double kGoal = 1e-2;
+
+EstimateOptions optionsOf(double tolerance, By by = By::polygon) {
+  EstimateOptions options;
+  options.tolerance = tolerance;
+  options.by = by;
+  return options;
+}
+
+// Few pairs have lines at once, many only where directions would cost as much.
+TEST(LineMixture, IsTakenWherePairsAreMany) {
+  const LineMixture mixture = mixtureFor(optionsOf(kGoal), 1e-4);
+  EXPECT_EQ(mixture.least_form_factor, kGoal / kMostOfCounted);
+  EXPECT_GE(mixture.directions * 8, 4 / kGoal);
+  EXPECT_GT(mixture.resolution, LatticeOptions{}.resolution);
+  EXPECT_TRUE(paysLinesForAll({1e5, 1e3}, mixture, 8));
+  EXPECT_FALSE(paysLinesForAll({2e6, 1e3}, mixture, 8));
+  EXPECT_FALSE(paysLinesForAll({2.0 * kMostPatchPairs, 1e7}, mixture, 8));
+  EXPECT_FALSE(countsTooMany({1e6, 7e4}, mixture, 8));
+  EXPECT_TRUE(countsTooMany({1e6, 8e4}, mixture, 8));
+  EXPECT_TRUE(mayFit(mixture, 8, 200'000));
+  EXPECT_FALSE(mayFit(mixture, 8, 400'000));
+  EstimateOptions relative;
+  relative.relative = 0.1;
+  relative.relative_floor = 0.01;
+  EXPECT_NEAR(mixtureFor(relative, 1e-4).least_form_factor, 1e-4, 1e-12);
+}
+
+TEST(LineMixture, FewLinesThatLeaveAClosedSceneGraze) {
+  EXPECT_EQ(shareOutside({{0, 1, 500'000, 0}, {0, kEnvironment, 3, 0}, {1, kLeak, 2, 0}}), 5 / 1'000'005.0);
+  EXPECT_LE(shareOutside({{0, 1, 500'000, 0}, {0, kEnvironment, 3, 0}}), kGrazedOfScene);
+  EXPECT_GT(shareOutside({{0, 1, 500'000, 0}, {0, kEnvironment, 30, 0}}), kGrazedOfScene);
+  EXPECT_EQ(shareOutside({}), 0);
+}
+
+// A GrazingEngine sees one line more of a face than there is: it leaves the scene.
+class GrazingEngine : public SharedEngine {
+ public:
+  GrazingEngine(Engine& engine, uint32_t id) : SharedEngine(engine), id_(id) {}
+  PairCounts count(std::span<const Direction> directions) override {
+    PairCounts counts = SharedEngine::count(directions);
+    const PairCount grazing{id_, kEnvironment, 1, 0};
+    const auto place = std::ranges::find_if(
+        counts, [&](const PairCount& count) { return std::pair(count.i, count.j) >= std::pair(id_, kEnvironment); });
+    counts.insert(place, grazing);
+    return counts;
+  }
+
+ private:
+  uint32_t id_;
+};
+
+// The room has 2,496 quads. All its pairs have lines in a run of viewpeel, so these tests make mixtures themselves.
+class MixedRoom : public testing::Test {
+ protected:
+  struct Run {
+    RunSums sums;
+    bool is_reached;
+  };
+
+  static void SetUpTestSuite() {
+    scene_ = std::make_unique<Scene>(buildScene(bench::roomWithBoxes(2)));
+    ids_ = std::make_unique<Ids>(makeIds(*scene_, By::polygon, false));
+    engine_ = makeHostEngine(*scene_, *ids_, {.resolution = 256, .sampling = Sampling::lattice});
+    Request request;
+    request.goal = Tolerance{kGoal / 10};
+    request.promise = false;
+    request.seed = 7;
+    truth_ = std::make_unique<Result>(computeFormFactors(*scene_, request));
+    mixed_ = std::make_unique<Run>(mix(kGoal / kMostOfCounted));
+  }
+  static void TearDownTestSuite() { mixed_.reset(), truth_.reset(), engine_.reset(), ids_.reset(), scene_.reset(); }
+
+  // Runs a mixture.
+  //   In: replicates: at most; resumed: the first of them, or nullptr
+  static Run mix(double least_form_factor, By by = By::polygon, size_t threads = 2, uint64_t replicates = 100,
+                 const RunSums* resumed = nullptr, Engine* engine = nullptr) {
+    EstimateOptions options = optionsOf(kGoal, by);
+    options.directions = mixtureFor(options, 1).directions;
+    options.resumed = resumed;
+    PairLines lines(*scene_, *ids_, false, options.seed, threads, [] {});
+    const Ids ids = makeIds(*scene_, by, false);
+    std::vector<LinePair> pairs = planLines(lines, lines.find(least_form_factor), *ids_, ids, options, INFINITY);
+    LineRun run(engine ? *engine : *engine_, *scene_, *ids_, lines, std::move(pairs), least_form_factor, options);
+    while (!run.isDone() && run.sums().replicateCount() < replicates) run.step();
+    return {run.sums(), run.isReached()};
+  }
+
+  // Returns the largest error of the entries between polygons, from the smaller of a pair.
+  static double largestError(const FormFactors& found) {
+    double largest = 0;
+    const auto compare = [&](const FormFactors& of, const FormFactors& other) {
+      for (const FormFactors::Entry& entry : of.entries()) {
+        if (entry.j >= kEnvironment) continue;
+        const double error = entry.exchange_area.value - other.exchangeArea(entry.i, entry.j).value;
+        largest = std::max(largest, std::abs(error) / ids_->smallerArea(entry.i, entry.j));
+      }
+    };
+    compare(found, truth_->form_factors);
+    compare(truth_->form_factors, found);
+    return largest;
+  }
+
+  static void expectSameBits(const FormFactors& a, const FormFactors& b) {
+    ASSERT_EQ(a.entries().size(), b.entries().size());
+    for (size_t k = 0; k < a.entries().size(); ++k)
+      ASSERT_TRUE(a.entries()[k].i == b.entries()[k].i && a.entries()[k].j == b.entries()[k].j &&
+                  a.entries()[k].exchange_area.value == b.entries()[k].exchange_area.value &&
+                  a.entries()[k].exchange_area.standard_error == b.entries()[k].exchange_area.standard_error)
+          << k;
+  }
+
+  static inline std::unique_ptr<Scene> scene_;
+  static inline std::unique_ptr<Ids> ids_;
+  static inline std::unique_ptr<Engine> engine_;
+  static inline std::unique_ptr<Result> truth_;
+  static inline std::unique_ptr<Run> mixed_;
+};
+
+// No entry errs by more than the goal. Of the entries one in 1,000 may err by more than five stated errors, for few
+// lines met each. Where pairs as large as the goal are counted, too, this test finds an error above it.
+TEST_F(MixedRoom, ErrsByTheGoalAtMost) {
+  ASSERT_EQ(truth_->plan.pair_lines->least_form_factor, 0);
+  EXPECT_TRUE(mixed_->is_reached);
+  const FormFactors found = mixed_->sums.formFactors();
+  EXPECT_LE(largestError(found), kGoal);
+  uint64_t beyond = 0, counted = 0;
+  for (const FormFactors::Entry& entry : found.entries()) {
+    const Measured there = truth_->form_factors.exchangeArea(entry.i, entry.j), here = entry.exchange_area;
+    beyond += std::abs(here.value - there.value) > 5 * std::hypot(here.standard_error, there.standard_error);
+  }
+  for (const ReplicateSums::PairSum& pair : mixed_->sums.by_id.pairs()) counted += pair.j < kEnvironment;
+  EXPECT_LE(double(beyond), 1e-3 * double(found.entries().size()));
+  EXPECT_GT(counted, found.entries().size() / 2);
+  EXPECT_GT(largestError(mix(3 * kGoal).sums.formFactors()), kGoal);
+}
+
+// Student's t of 7 degrees of freedom is above 5 in 1.6 of 1,000 cases. Rows would fall short by more than a tenth
+// without the counted pairs.
+TEST_F(MixedRoom, RowsAddUpByChance) {
+  int beyond = 0;
+  double worst = 0, mean = 0, mean_of_lines = 0;
+  const FormFactors found = mixed_->sums.formFactors();
+  const double count = double(found.rowSums().size());
+  for (const Measured& row : found.rowSums()) {
+    beyond += std::abs(row.value - 1) > 5 * row.standard_error;
+    worst = std::max(worst, std::abs(row.value - 1));
+    mean += (row.value - 1) / count;
+  }
+  for (const FormFactors::Entry& entry : mixed_->sums.lines->entries())
+    for (const uint32_t id : {entry.i, entry.j}) mean_of_lines += entry.exchange_area.value / ids_->areas[id] / count;
+  EXPECT_LE(beyond, 0.005 * count);
+  EXPECT_GT(worst, 1e-4);
+  EXPECT_NEAR(mean, 0, 0.01);  // what is cut off counted pairs: docs/method.md, mixtures
+  EXPECT_LT(mean_of_lines, 0.9);
+}
+
+// The room is closed, and a line grazes an edge in each replicate. The row's environment is what was counted, within
+// the goal of 0. It would be wrong as 1 less the row sum, whose error is that of all counted pairs; and no directions
+// would bring that to the goal.
+TEST_F(MixedRoom, EndsWhereLinesGraze) {
+  const FormFactors found = mixed_->sums.formFactors();
+  const auto& rows = found.rowSums();
+  const auto worst = std::ranges::min_element(rows, {}, &Measured::value);
+  const auto id = static_cast<uint32_t>(worst - rows.begin());
+  ASSERT_GT(1 - worst->value, kGoal);
+  GrazingEngine engine(*engine_, id);
+  const Run run = mix(kGoal / kMostOfCounted, By::polygon, 2, 100, nullptr, &engine);
+  EXPECT_TRUE(run.is_reached);
+  EXPECT_EQ(run.sums.replicateCount(), mixed_->sums.replicateCount());
+  const Measured environment = run.sums.formFactors().formFactor(id, kEnvironment);
+  EXPECT_GT(environment.value, 0);
+  EXPECT_LE(environment.value, kGoal);
+  EXPECT_LE(kErrorsInRowGoal * environment.standard_error, kGoal);
+}
+
+TEST_F(MixedRoom, ThreadsAndStopsDoNotMatter) {
+  const FormFactors found = mixed_->sums.formFactors();
+  const double least = kGoal / kMostOfCounted;
+  expectSameBits(found, mix(least, By::polygon, 3).sums.formFactors());
+  const Run first = mix(least, By::polygon, 2, 3);
+  ASSERT_EQ(first.sums.replicateCount(), 3u);
+  expectSameBits(found, mix(least, By::polygon, 2, 100, &first.sums).sums.formFactors());
+}
+
+// Sums over surfaces take both kinds of pairs. The truth errs by a tenth of the goal.
+TEST_F(MixedRoom, SurfacesHaveBothKinds) {
+  const Run surfaces = mix(kGoal / kMostOfCounted, By::surface);
+  EXPECT_TRUE(surfaces.is_reached);
+  const FormFactors found = surfaces.sums.formFactors(), &truth = truth_->between_surfaces;
+  const FormFactors lines(truth.ids(), surfaces.sums.lines->entriesOfResult(), {});
+  double largest = 0, largest_of_lines = 0;
+  for (const FormFactors::Entry& entry : truth.entries()) {
+    const double area = truth.ids().smallerArea(entry.i, entry.j);
+    largest =
+        std::max(largest, std::abs(found.exchangeArea(entry.i, entry.j).value - entry.exchange_area.value) / area);
+    const double of_lines = lines.exchangeArea(entry.i, entry.j).value;
+    largest_of_lines = std::max(largest_of_lines, std::abs(of_lines - entry.exchange_area.value) / area);
+  }
+  EXPECT_LE(largest, 1.1 * kGoal);
+  EXPECT_GT(largest_of_lines, 3 * kGoal);
+}
+
+Request requestOf(double tolerance) {
+  Request request;
+  request.goal = Tolerance{tolerance};
+  request.engine = EngineKind::host;
+  return request;
+}
+
+// Of 9,984 quads nearly all pairs are counted. The run goes on from a checkpoint to the same bits.
+TEST(MixtureRuns, GoOnFromACheckpoint) {
+  const Scene scene = buildScene(bench::roomWithBoxes(4));
+  FormFactorRun whole(scene, requestOf(kGoal));
+  whole.makePlan();
+  const PlanSummary& plan = whole.plan();
+  ASSERT_TRUE(plan.pair_lines);
+  EXPECT_EQ(plan.pair_lines->least_form_factor, kGoal / kMostOfCounted);
+  EXPECT_FALSE(plan.no_promise.empty());
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "line_mixture.h5";
+  for (int k = 0; k < 3; ++k) whole.step();
+  whole.writeCheckpoint(file);
+  while (!whole.isDone()) whole.step();
+  const Result result = whole.result();
+  EXPECT_TRUE(result.goal_reached);
+  EXPECT_EQ(result.unmet_bound, kGoal / kMostOfCounted);
+
+  EXPECT_EQ(readCheckpoint(file).sums.lines->leastFormFactor(), kGoal / kMostOfCounted);
+  FormFactorRun second(scene, requestOf(kGoal));
+  second.resumeFrom(file);
+  while (!second.isDone()) second.step();
+  std::filesystem::remove(file);
+  const FormFactors resumed = second.result().form_factors;
+  const std::vector<FormFactors::Entry>& a = resumed.entries();
+  const std::vector<FormFactors::Entry>& b = result.form_factors.entries();
+  ASSERT_EQ(a.size(), b.size());
+  for (size_t k = 0; k < a.size(); ++k)
+    ASSERT_TRUE(a[k].i == b[k].i && a[k].j == b[k].j && a[k].exchange_area.value == b[k].exchange_area.value &&
+                a[k].exchange_area.standard_error == b[k].exchange_area.standard_error)
+        << k;
+}
+
+// In an open scene rows see the environment, which few directions count too roughly.
+TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
+  InputScene room = bench::roomWithBoxes(4);
+  std::erase_if(room.faces, [](const InputFace& face) {
+    return std::ranges::all_of(face.corners, [](const glm::dvec3& corner) { return corner.z > 2.9; });
+  });
+  const Scene scene = buildScene(room);
+  ASSERT_GT(scene.faces.size(), 8'000u);
+  FormFactorRun run(scene, requestOf(kGoal));
+  run.makePlan();
+  EXPECT_FALSE(run.plan().pair_lines);
+  EXPECT_NE(run.plan().no_promise.find("lines leave the scene"), std::string::npos) << run.plan().no_promise;
+}
+
+}  // namespace
+}  // namespace viewpeel
