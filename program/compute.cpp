@@ -22,6 +22,7 @@
 #include "estimator/find_guesses.h"
 #include <viewpeel/drop_below.h>
 #include <viewpeel/error.h>
+#include <viewpeel/ranks.h>
 #include <viewpeel/write.h>
 
 namespace viewpeel::program {
@@ -231,6 +232,7 @@ int runCompute(const ComputeOptions& options) {
                      .on_count = letOthersEnd});
   if (options.talks()) {
     fmt::print("{}", describePlace(run, scene));
+    if (options.request.ranks) fmt::print("ranks      {} share the counting\n", options.request.ranks->size());
     if (!is_held) fmt::print("kept       nothing but this summary; name a file by -o to keep the form factors\n");
   }
   std::fflush(stdout);
@@ -261,12 +263,16 @@ int runCompute(const ComputeOptions& options) {
 
 }  // namespace
 
-void addCompute(CLI::App& app, Run& chosen) {
+void addCompute(CLI::App& app, Run& chosen, Job& job) {
   CLI::App* command = app.add_subcommand("compute", "Compute the form factors of a scene");
   const auto settle = addComputeOptions(command);
-  command->callback([=, &chosen] {
-    chosen = [options = settle()] {
-      return options->only_environment ? computeOnlyEnvironment(*options) : runCompute(*options);
+  command->callback([=, &chosen, &job] {
+    const std::shared_ptr<ComputeOptions> options = settle();
+    options->request.ranks = job.ranks;
+    chosen = [options] { return options->only_environment ? computeOnlyEnvironment(*options) : runCompute(*options); };
+    job.serve = [options](Ranks& ranks) {
+      const Request& request = options->request;
+      serveRanks(ranks, loadSceneOf(options->scene, request.scene_options, options->groups), request);
     };
   });
 }

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstring>
 #include <exception>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -33,6 +34,31 @@ int report(const std::string& message, int status, bool as_json) {
   return status;
 }
 
+void parse(CLI::App& app, std::vector<std::string>& arguments) {
+  viewpeel::program::addDefaultCommand(app, arguments);
+  std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 parses from the last element
+  app.parse(reversed);
+}
+
+// Takes part in a job as a rank above 0, which prints nothing: rank 0 hears of errors when it asks for work.
+int serve(CLI::App& app, std::vector<std::string>& arguments, viewpeel::program::Job& job) {
+  viewpeel::program::leaveSignalsToRank0();
+  viewpeel::program::silence();
+  const auto fail = [&](viewpeel::ErrorCode code, const char* message) {
+    viewpeel::serveRanks(*job.ranks, viewpeel::Error(code, message));
+  };
+  try {
+    parse(app, arguments);
+    if (job.serve) job.serve(*job.ranks);
+    else fail(viewpeel::ErrorCode::bad_usage, "this command is of one rank");
+  } catch (const viewpeel::Error& error) {
+    fail(error.code(), error.what());
+  } catch (const std::exception& error) {
+    fail(viewpeel::ErrorCode::bad_usage, error.what());
+  }
+  return 0;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -45,8 +71,9 @@ int main(int argc, char** argv) {
   app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION);
   app.require_subcommand(1);
   viewpeel::program::Run chosen;
-  viewpeel::program::addCompute(app, chosen);
-  viewpeel::program::addSolve(app, chosen);
+  viewpeel::program::Job job;
+  viewpeel::program::addCompute(app, chosen, job);
+  viewpeel::program::addSolve(app, chosen, job);
   viewpeel::program::addPlan(app, chosen);
   viewpeel::program::addCheck(app, chosen);
   viewpeel::program::addMerge(app, chosen);
@@ -56,12 +83,14 @@ int main(int argc, char** argv) {
   viewpeel::program::setHelp(app);
   std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
   const bool as_json = std::ranges::find(arguments, "--json") != arguments.end();
+  std::unique_ptr<viewpeel::Ranks> ranks;
   try {
+    ranks = viewpeel::program::joinJob();
+    job.ranks = ranks.get();
+    if (job.isServer()) return serve(app, arguments, job);
     const bool is_view3d = viewpeel::program::isView3d(argv[0]);
     if (!is_view3d) {
-      viewpeel::program::addDefaultCommand(app, arguments);
-      std::vector<std::string> reversed(arguments.rbegin(), arguments.rend());  // CLI11 parses from the last element
-      app.parse(reversed);
+      parse(app, arguments);
       viewpeel::program::keepOptions(app);
     }
     const int status = is_view3d ? viewpeel::program::runView3d(argc, argv) : chosen();

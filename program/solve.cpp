@@ -22,6 +22,7 @@
 #include "program/warnings.h"
 #include "run/settings.h"
 #include <viewpeel/error.h>
+#include <viewpeel/ranks.h>
 #include <viewpeel/write.h>
 
 namespace viewpeel::program {
@@ -304,7 +305,7 @@ void addComputing(CLI::App* command, SolveCommand& options) {
 
 }  // namespace
 
-void addSolve(CLI::App& app, Run& chosen) {
+void addSolve(CLI::App& app, Run& chosen, Job& job) {
   auto options = std::make_shared<SolveCommand>();
   options->request.by = By::surface;
   CLI::App* command = app.add_subcommand(
@@ -357,7 +358,15 @@ void addSolve(CLI::App& app, Run& chosen) {
   startGroup(command, kOutput);
   CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
   command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
-  command->callback([options, &chosen] { chosen = [options] { return runSolve(*options); }; });
+  command->callback([options, &chosen, &job] {
+    options->request.ranks = job.ranks;
+    chosen = [options] { return runSolve(*options); };
+    if (!options->stored.empty()) return;
+    job.serve = [options](Ranks& ranks) {
+      const Request& request = options->request;
+      serveRanks(ranks, loadSceneOf(options->scene, request.scene_options, options->groups), request);
+    };
+  });
 }
 
 }  // namespace viewpeel::program

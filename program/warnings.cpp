@@ -10,11 +10,13 @@ namespace viewpeel::program {
 namespace {
 
 std::vector<std::string> kept;
+bool is_silent = false;
 
 constexpr const char *kRed = "\033[1;31m", *kYellow = "\033[1;33m", *kPlain = "\033[0m";
 
 // Prints a line by fputs, for fmt::print throws where stderr cannot be written.
 void print(const char* colour, const std::string& word, std::string text) {
+  if (is_silent) return;
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
   const bool is_coloured = isColoured();
@@ -37,6 +39,8 @@ void warn(const std::string& text) {
   kept.push_back(text);
   print(kYellow, "warning: ", text);
 }
+
+void silence() { is_silent = true; }
 
 const std::vector<std::string>& warnings() { return kept; }
 

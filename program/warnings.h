@@ -8,6 +8,9 @@ namespace viewpeel::program {
 // Prints "viewpeel: warning: ..." on stderr and stores the text.
 void warn(const std::string& text);
 
+// Keeps warn() and complain() from printing. Of several ranks only rank 0 prints.
+void silence();
+
 // Returns all warnings so far.
 const std::vector<std::string>& warnings();
 

@@ -9,16 +9,13 @@
 #include "directions/drawn_directions.h"
 #include "directions/sampler.h"
 #include <viewpeel/engine.h>
+#include "interrupted.h"
 #include "sums/run_sums.h"
 
 namespace viewpeel {
 
 class FaceExchanges;
 class PairSampler;
-
-// A callback of an engine (on_batch) or of the estimator throws this to stop a run. The replicate in progress is
-// dropped.
-struct Interrupted {};
 
 struct EstimateProgress {
   uint64_t replicates = 0;

@@ -12,7 +12,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = 16;  // entries that a thread takes at once
+constexpr size_t kChunk = 16;          // entries that a thread takes at once
+constexpr size_t kTogether = 1 << 16;  // entries whose lines are drawn in one call, so that tasks take few megabytes
 
 double linesOfPart(double exchange, double weight) { return std::max(1.0, std::ceil(exchange / weight)); }
 
@@ -40,16 +41,27 @@ double LineGuarantee::mostCandidates(const Entry& entry, const Part& part) const
   return is_little ? std::min(entry.most_candidates, kMostCandidates) : entry.most_candidates;
 }
 
-void LineGuarantee::draw(Entry& entry, uint32_t look) {
+// Returns the lines that all parts of the entries need for the next look.
+std::vector<UniformTask> LineGuarantee::tasksOf(std::span<const uint32_t> entries) const {
+  std::vector<UniformTask> tasks;
+  for (const uint32_t index : entries) {
+    const Entry& entry = entries_[index];
+    for (uint32_t k = 0; k < entry.part_count; ++k) {
+      const Part& part = parts_[entry.first_part + k];
+      const auto wanted = static_cast<uint64_t>(linesOfPart(part.exchange, weightAt(entry, look_)));
+      const uint64_t missing = wanted > part.count.lines ? wanted - part.count.lines : 0;
+      tasks.push_back({part.index, part.guess, look_, missing, mostCandidates(entry, part), part.count});
+    }
+  }
+  return tasks;
+}
+
+// Takes the lines of an entry's parts.    In: tasks: of these parts, done
+void LineGuarantee::take(Entry& entry, std::span<const UniformTask> tasks) {
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     Part& part = parts_[entry.first_part + k];
-    const auto wanted = static_cast<uint64_t>(linesOfPart(part.exchange, weightAt(entry, look)));
-    const double most = mostCandidates(entry, part);
-    if (wanted > part.count.lines)
-      part.count += lines_.drawUniform(part.index, look, wanted - part.count.lines, most, vectors_);
-    if (part.count.open == part.count.lines)
-      part.guess = static_cast<float>(lines_.guessVisibility(part.index, look, vectors_));
-    if (look > 0) continue;
+    part.count = tasks[k].count, part.guess = tasks[k].guess;
+    if (look_ > 0) continue;
     const double each = part.exchange / double(part.count.lines);
     entry.first_facing += each * double(part.count.facing), entry.first_open += each * double(part.count.open);
     entry.first_variance += each * part.exchange * (part.count.open < part.count.lines);
@@ -90,17 +102,25 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
 
 void LineGuarantee::step() {
   std::vector<char> is_done(open_.size(), false);
-  forEach(open_.size(), [&](size_t k) {
-    Entry& entry = entries_[open_[k]];
-    draw(entry, look_);
-    is_done[k] = settle(entry, look_);
-    if (is_done[k] || look_ + 1 < entry.looks) return;
-    throw Error(
-        ErrorCode::limit,
-        fmt::format("rounding leaves the form factor of {} and {} open, so that it cannot be guaranteed; ask for "
-                    "a larger --epsilon, or an estimate by --tolerance",
-                    ids_.names[entry.i], nameOf(entry.j)));
-  });
+  for (size_t first = 0; first < open_.size(); first += kTogether) {
+    const std::span<const uint32_t> together =
+        std::span(open_).subspan(first, std::min(kTogether, open_.size() - first));
+    std::vector<UniformTask> tasks = tasksOf(together);
+    lines_.drawUniform(tasks);
+    size_t at = 0;
+    for (size_t k = 0; k < together.size(); ++k) {
+      Entry& entry = entries_[together[k]];
+      take(entry, std::span(tasks).subspan(at, entry.part_count));
+      at += entry.part_count;
+      is_done[first + k] = settle(entry, look_);
+      if (is_done[first + k] || look_ + 1 < entry.looks) continue;
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("rounding leaves the form factor of {} and {} open, so that it cannot be guaranteed; ask for "
+                      "a larger --epsilon, or an estimate by --tolerance",
+                      ids_.names[entry.i], nameOf(entry.j)));
+    }
+  }
   std::vector<uint32_t> still_open;
   for (size_t k = 0; k < open_.size(); ++k)
     if (!is_done[k]) still_open.push_back(open_[k]);

@@ -98,7 +98,8 @@ class LineGuarantee {
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
   double weightAt(const Entry& entry, uint32_t look) const;
   double mostCandidates(const Entry& entry, const Part& part) const;
-  void draw(Entry& entry, uint32_t look);
+  std::vector<UniformTask> tasksOf(std::span<const uint32_t> entries) const;
+  void take(Entry& entry, std::span<const UniformTask> tasks);
   bool settle(Entry& entry, uint32_t look) const;
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
   double linesOf(const Entry& entry, uint32_t look) const;

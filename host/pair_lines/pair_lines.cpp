@@ -15,6 +15,7 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kChunk = 64;             // pairs that a thread takes at once
+constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a thread takes at once
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
 constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
@@ -32,16 +33,22 @@ bool areNear(const Patch& a, const Patch& b) {
 }  // namespace
 
 PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads,
-                     std::function<void()> stop, const Device* device)
+                     std::function<void()> stop, const Device* device, Crew* crew)
     : scene_(scene),
       ids_(face_ids),
+      with_leak_(with_leak),
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
       finder_(scene, face_ids, with_leak),
-      device_(device) {}
+      device_(device),
+      crew_(crew) {}
 
 std::vector<LinePair> PairLines::find(double least_form_factor) {
+  return crew_ ? findOnRanks(least_form_factor) : findHere(least_form_factor);
+}
+
+std::vector<LinePair> PairLines::findHere(double least_form_factor) {
   parts_ = finder_.find(threads_, stop_, least_form_factor);
   const auto idsOf = [&](const PatchPair& part) {
     return std::minmax({finder_.patches()[part.a].id, finder_.patches()[part.b].id});
@@ -260,6 +267,23 @@ double PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vecto
   return lines.all > 0 ? lines.facing / lines.all : 0.5;
 }
 
+void PairLines::drawUniformHere(std::span<UniformTask> tasks) const {
+  const Vectors vectors = widestVectors();
+  shareOut(
+      threads_, tasks.size(), kUniformChunk,
+      [&](size_t, size_t k) {
+        UniformTask& task = tasks[k];
+        if (task.lines) task.count += drawUniform(task.part, task.series, task.lines, task.most_candidates, vectors);
+        if (task.count.open == task.count.lines)
+          task.guess = static_cast<float>(guessVisibility(task.part, task.series, vectors));
+      },
+      [&](size_t) { stopIfRequested(); });
+}
+
+void PairLines::drawUniform(std::span<UniformTask> tasks) const {
+  crew_ ? drawUniformOnRanks(tasks) : drawUniformHere(tasks);
+}
+
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
   shareOut(
       threads_, count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
@@ -302,12 +326,21 @@ double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vect
 
 void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
                      uint32_t replicates) {
+  std::vector<double> goals(pairs.size());
+  forEach(pairs.size(), [&](size_t k) { goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear); });
+  crew_ ? planOnRanks(pairs, goals, replicates) : planHere(pairs, 0, goals, replicates);
+}
+
+// Plans some of the pairs.    In: pairs: from number `first` on; goals: standard error of each one's visibility
+void PairLines::planHere(std::span<LinePair> pairs, size_t first, std::span<const double> goals,
+                         uint32_t replicates) const {
   const Vectors vectors = widestVectors();
   forEach(pairs.size(), [&](size_t k) {
     LinePair& pair = pairs[k];
-    pair.blocks = isPartial(groups_[k]), pair.period = 1;
+    const Group& group = groups_[first + k];
+    pair.blocks = isPartial(group), pair.period = 1;
     if (pair.blocks == 0) return;
-    const double lines = findNeed(pair, groups_[k], allowed(pair) / (pair.exchange - pair.clear), vectors),
+    const double lines = findNeed(pair, group, goals[k], vectors),
                  blocks = lines / (LineDrawer::kBlockLines * double(replicates));
     pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
     while (2 * pair.period <= std::min(kMostPeriod, replicates) && 2 * pair.period * blocks <= 1) pair.period *= 2;
@@ -315,8 +348,14 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
 }
 
 LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times) {
+  return crew_ ? countOnRanks(pairs, replicate, times) : countHere(pairs, {0, pairs.size()}, replicate, times);
+}
+
+// Counts some of the pairs.    In: range: of their numbers; times: of all pairs, or empty
+LineCounts PairLines::countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
+                                std::span<const uint32_t> times) {
   std::vector<uint32_t> due;
-  for (uint32_t k = 0; k < pairs.size(); ++k)
+  for (auto k = static_cast<uint32_t>(range.first); k < range.second; ++k)
     if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k]) due.push_back(k);
   LineCounts counts(due.size());
   for (size_t k = 0; k < due.size(); ++k) {

@@ -12,6 +12,7 @@
 #include "pair_lines/device_lines.h"
 #include "pair_lines/find_pairs.h"
 #include "pair_lines/uniform_lines.h"
+#include "ranks/crew.h"
 #include "sums/line_sums.h"
 
 namespace viewpeel {
@@ -32,14 +33,25 @@ struct PairLinesFigures {
   uint64_t blockers = 0;            // after neighbouring polygons were joined
 };
 
+// A UniformTask asks for independent lines of one part of a pair.
+struct UniformTask {
+  uint32_t part;           // PairLines::Part::index
+  float guess;             // of the visibility of open lines; set where all lines are open
+  uint64_t series;         // different ones are independent
+  uint64_t lines;          // to be added to `count`
+  double most_candidates;  // of one line; where a line takes more, all lines are open
+  UniformLineCount count = {};
+};
+
 class PairLines {
  public:
   // Prepares patches and blockers; find() does the search.
   //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; with_leak: whether to find pairs of a
   //   face and a back, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty;
-  //   device: draws lines, with the same bits; nullptr: threads do
+  //   device: draws lines, with the same bits; nullptr: threads do; crew: other ranks
+  //   draw their share, the same bits; nullptr: there are none
   PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
-            std::function<void()> stop = {}, const Device* device = nullptr);
+            std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr);
 
   // Finds all pairs with an unoccluded form factor above 0 that no single blocker hides, sorted. It plans no lines yet.
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
@@ -79,6 +91,8 @@ class PairLines {
                                Vectors vectors) const;
   // Estimates the visibility of one part from 16 scrambled lines.    In, Out: as drawUniform
   double guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
+  // Draws the lines of all tasks, and adds them to their counts.
+  void drawUniform(std::span<UniformTask> tasks) const;
   size_t threads() const { return threads_; }
   void stopIfRequested() const {
     if (stop_) stop_();
@@ -96,6 +110,19 @@ class PairLines {
   bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate);
   void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate);
   bool isPartial(const Group& group) const;
+  double costOf(const Group& group) const;
+  std::vector<LinePair> findHere(double least_form_factor);
+  void planHere(std::span<LinePair> pairs, size_t first, std::span<const double> goals, uint32_t replicates) const;
+  LineCounts countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
+                       std::span<const uint32_t> times);
+  void drawUniformHere(std::span<UniformTask> tasks) const;
+  // Defined in ranked_lines.cpp: the same, with the other ranks.
+  std::vector<LinePair> findOnRanks(double least_form_factor);
+  void planOnRanks(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
+  LineCounts countOnRanks(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times);
+  void drawUniformOnRanks(std::span<UniformTask> tasks) const;
+  uint64_t hashOfParts() const;
+  friend class LineServer;
   void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
@@ -103,6 +130,7 @@ class PairLines {
 
   const Scene& scene_;
   const Ids& ids_;
+  bool with_leak_;
   uint64_t seed_;
   size_t threads_;
   std::function<void()> stop_;
@@ -110,6 +138,8 @@ class PairLines {
   PatchPairs parts_;           // grouped by pairs of faces
   std::vector<Group> groups_;  // by pair of faces: its parts
   const Device* device_;
+  Crew* crew_;
+  uint64_t pairs_sent_ = 0;                  // hash of the plans of pairs that the other ranks have
   std::optional<DeviceLines> device_lines_;  // set once the device has drawn lines with the processor's bits
 };
 

@@ -164,7 +164,7 @@ std::string FormFactorRun::State::makePairLines() {
   const auto make = [&](bool has_backs) {
     pair_lines.emplace(
         setup.scene(), setup.faceIds(), has_backs, setup.request().seed, setup.request().threads,
-        [this] { stopIfRequested(); }, setup.lineDevice());
+        [this] { stopIfRequested(); }, setup.lineDevice(), setup.crew());
   };
   make(with_leak);
   const bool insists = setup.request().pair_lines.value_or(false) || resumed;

@@ -9,11 +9,13 @@
 
 #include "engines/engine_factory.h"
 #include "engines/host_engine.h"
+#include "engines/ranked_engine.h"
 #include <viewpeel/error.h>
 #include "estimator/find_prior.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"
 #include "scene/interpenetration.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -105,6 +107,10 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
   if (guarantee() && !pair_lines_) sampler_ = nameOf(guaranteeOptions().sampler);
   if (engine_ == EngineKind::compute || engine_ == EngineKind::graphics) device_.emplace(request_.device);
   make_engine_ = isExact() ? request_.exact_engine : latticeEngines(engine_, device());
+  if (!request_.ranks || request_.ranks->size() == 1) return;
+  const size_t threads = request_.threads ? request_.threads : threadCount();
+  crew_ = std::make_unique<Crew>(*request_.ranks, fingerprint(scene_), threads, stop_);
+  make_engine_ = rankedEngines(*crew_, std::move(make_engine_), engine_);
 }
 
 // Decides whether to use unoccluded form factors (docs/speed.md). Between surfaces they pay for small tolerances only:

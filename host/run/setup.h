@@ -1,5 +1,6 @@
 // A Setup is a run before its plan: engine, sampling, ids and goals, all settled from the request and the scene.
 #pragma once
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -9,6 +10,7 @@
 #include "estimator/guarantee.h"
 #include "estimator/line_mixture.h"
 #include "estimator/plan.h"
+#include "ranks/crew.h"
 
 namespace viewpeel {
 
@@ -38,6 +40,8 @@ class Setup {
   // Returns the device that draws pair lines; nullptr where threads draw them, with the same bits.
   const Device* lineDevice() const;
   const std::function<void()>& stop() const { return stop_; }
+  // Returns the ranks that share the counting; nullptr where this one is alone.
+  Crew* crew() const { return crew_.get(); }
 
   const EpsilonDelta* guarantee() const { return std::get_if<EpsilonDelta>(&request_.goal); }
   // Returns goals, replicates and sampler, and the number of directions where no plan chooses it.
@@ -96,6 +100,7 @@ class Setup {
        pair_lines_ = false;
   int resolution_ = 0, finest_ = 0;
   std::optional<Device> device_;
+  std::unique_ptr<Crew> crew_;
   EngineFactory make_engine_;
 };
 

@@ -15,6 +15,8 @@
 
 namespace viewpeel {
 
+class Ranks;
+
 // A run with a Tolerance ends once the standard error of every form factor is at most the tolerance. If a guarantee
 // costs little more, the tolerance becomes a guarantee: see Request::promise.
 struct Tolerance {
@@ -115,6 +117,10 @@ struct Request {
   uint32_t threads = 0;           // of the host engine; 0: one for each core
   uint32_t batch_directions = 0;  // directions that are peeled at once; 0: by memory. Never changes a result
   bool measure_work = false;      // fills Result::work
+
+  // Processes that share the counting, this one being rank 0 (<viewpeel/ranks.h>); the caller keeps them. nullptr: the
+  // run is alone.
+  Ranks* ranks = nullptr;
 
   bool balance = false;        // fills Result::balanced: the nearest form factors whose rows sum to 1
   SceneOptions scene_options;  // how the scene was made; checkpoints name it

@@ -17,8 +17,9 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* bytes, size_t count) {
   CLI::App app;
   app.require_subcommand(1);
   program::Run chosen;
-  program::addCompute(app, chosen);
-  program::addSolve(app, chosen);
+  program::Job job;
+  program::addCompute(app, chosen, job);
+  program::addSolve(app, chosen, job);
   program::addPlan(app, chosen);
   program::addCheck(app, chosen);
   program::addMerge(app, chosen);

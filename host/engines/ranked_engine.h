@@ -1,0 +1,18 @@
+// An engine whose directions are counted by all ranks. Counts are integers, so that their sums are those of one rank.
+#pragma once
+#include <viewpeel/engine.h>
+#include "engines/lattice_options.h"
+#include "ranks/crew.h"
+#include "ranks/message.h"
+
+namespace viewpeel {
+
+// Returns a factory whose engines count on all ranks.
+//   In: crew: kept by the caller; make_engine: for the part of this rank; kind: of the engines of other ranks
+EngineFactory rankedEngines(Crew& crew, EngineFactory make_engine, EngineKind kind);
+
+// A message has the options that change counts, and the size of batches.
+void putLattice(MessageWriter& out, const LatticeOptions& options);
+LatticeOptions getLattice(MessageReader& in);
+
+}  // namespace viewpeel

@@ -1,0 +1,75 @@
+// A Crew is all ranks as rank 0 sees them: it hands out work, does its own part, and collects the answers.
+//
+// One call is one exchange: a question to every other rank, and an answer from each. Only rank 0 decides anything, so
+// ranks never have to agree. Where one of them fails or rank 0 is to stop, all stop, and the exchange still ends with
+// an answer from each: the next one begins afresh.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include <viewpeel/ranks.h>
+
+namespace viewpeel {
+
+// The first byte of a question. `close`, `stop` and `end` have no answer but that serving has ended.
+enum class RankWork : uint8_t {
+  hello,         // version and fingerprint of the scene -> threads of the rank
+  open_engine,   // number, kind, lattice, ids -> nothing
+  count,         // number, directions -> counts
+  count_blocks,  // number, directions, directions of a block -> counts of each block
+  find_pairs,    // ids, seed, ... -> hash of the pairs
+  plan_lines,    // a range of pairs, goals -> plans of their lines
+  take_pairs,    // plans of all pairs -> nothing
+  count_lines,   // replicate, a range of pairs -> counts
+  draw_uniform,  // tasks -> the same, done
+  close_engine,
+  stop,
+  end,
+};
+
+// The first byte of an answer.
+enum class RankAnswer : uint8_t { done, stopped, failed, ended };
+
+class Crew {
+ public:
+  // Greets the other ranks.
+  //   In: ranks: referred to; scene_hash: fingerprint of the scene; threads: of this rank; stop: called while others
+  //   work, may throw
+  //   Throws: Error bad_usage where a rank has another scene or another version; errors of other ranks.
+  Crew(Ranks& ranks, uint64_t scene_hash, size_t threads, std::function<void()> stop);
+
+  uint32_t size() const { return ranks_.size(); }
+  // Returns a number for an engine that ranks keep.
+  uint64_t newNumber() { return next_number_++; }
+
+  // Has all ranks work at the same time.
+  //   In: question: what rank r > 0 is asked; own: the part of rank 0
+  //   Out: answers of ranks 1, 2, ..., without their first byte
+  //   Throws: what `own` or `stop` throws; errors of other ranks, with their number.
+  std::vector<std::string> share(const std::function<std::string(uint32_t rank)>& question,
+                                 const std::function<void()>& own);
+  // Sends the same words, which have no answer, to all other ranks.
+  void tell(const std::string& message);
+
+  // Cuts tasks 0 to n - 1 into a range for each rank, of about equal cost for each of its threads.
+  //   In: costs: double[n]; by_threads: false: of about equal cost for each rank
+  //   Out: size() + 1 ascending indices: rank r has those from [r] to [r + 1] - 1
+  std::vector<size_t> cut(std::span<const double> costs, bool by_threads = true) const;
+
+ private:
+  void tellToStop();
+
+  Ranks& ranks_;
+  std::function<void()> stop_;
+  std::vector<double> threads_;  // of each rank
+  uint64_t next_number_ = 0;
+  bool is_lost_ = false;  // some rank did not stop in time: its answers are no longer awaited
+};
+
+// Writes what rank 0 and the others must have in common.
+std::string helloOf(uint64_t scene_hash);
+
+}  // namespace viewpeel
