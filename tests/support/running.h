@@ -21,12 +21,13 @@ constexpr double kSoon = 5;
 
 class Running {
  public:
-  // In: before: shell commands that run before the program
-  Running(const std::string& arguments, const std::string& messages, const std::string& before = "") {
+  // In: before: shell commands that run before the program; launcher: words before the program's name, as of mpirun
+  Running(const std::string& arguments, const std::string& messages, const std::string& before = "",
+          const std::string& launcher = "") {
     pid_ = ::fork();
     if (pid_ == 0) {
       const std::string command =
-          before + "exec " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
+          before + "exec " + launcher + " " VIEWPEEL_PROGRAM " " + arguments + " >" + messages + " 2>&1 </dev/null";
       ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
       ::_exit(127);
     }
@@ -37,6 +38,7 @@ class Running {
       wait();
     }
   }
+  pid_t pid() const { return pid_; }
   void send(int signal) { ::kill(pid_, signal); }
   bool hasEnded() { return ended_ || (ended_ = ::waitpid(pid_, &status_, WNOHANG) == pid_); }
   // Returns the exit status, or minus the number of the signal that ended the program.

@@ -70,7 +70,8 @@ struct Case {
 std::vector<Case> cases() {
   Request fixed = onHost(FixedAmount{.directions = 30, .replicates = 3}), windows = fixed, unoccluded = fixed,
           lines = onHost(Tolerance{5e-3}), promise = onHost(Tolerance{1e-2}), guarantee = onHost(EpsilonDelta{2e-2}),
-          blocks = onHost(EpsilonDelta{0.2, 0.1});
+          // A plan of blocks depends on measured times, unless the request has both of its figures.
+          blocks = onHost(EpsilonDelta{.epsilon = 0.2, .delta = 0.1, .range = 4, .block_directions = 40});
   windows.goal = FixedAmount{.directions = 30, .replicates = 3, .resolution = 64, .finest = 256};
   unoccluded.unoccluded = true;
   lines.promise = false;

@@ -1,0 +1,170 @@
+// An MPI job of several ranks gives the bytes of a run alone, speaks with one voice, and ends together.
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "tests/support/running.h"
+
+namespace viewpeel {
+namespace {
+
+namespace fs = std::filesystem;
+const std::string kStreet = VIEWPEEL_SCENES "/street.obj";
+
+// mpirun takes root only if told so twice, and more ranks than processors only if told so.
+std::string launcher(int ranks) {
+  return fmt::format("env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 {} --oversubscribe -n {}",
+                     VIEWPEEL_MPIRUN, ranks);
+}
+
+Result runRanks(int ranks, const std::string& arguments) { return run(arguments, launcher(ranks)); }
+
+// Returns the lines of the output that begin with the word.
+std::vector<std::string> linesOf(const std::string& output, const std::string& word) {
+  std::vector<std::string> lines;
+  std::istringstream in(output);
+  for (std::string line; std::getline(in, line);)
+    if (line.starts_with(word)) lines.push_back(line);
+  return lines;
+}
+
+// Returns the process of a rank of a running job.    In: job: process of mpirun
+pid_t findRank(pid_t job, int rank) {
+  for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
+    const std::string name = entry.path().filename();
+    if (name.find_first_not_of("0123456789") != std::string::npos) continue;
+    const std::string status = readFile(entry.path() / "status"), environment = readFile(entry.path() / "environ");
+    const std::string parent = fmt::format("\nPPid:\t{}\n", job), number = fmt::format("OMPI_COMM_WORLD_RANK={}", rank);
+    if (status.find(parent) != std::string::npos && environment.find(number + '\0') != std::string::npos)
+      return std::stoi(name);
+  }
+  return 0;
+}
+
+class RankProgram : public Program {
+ protected:
+  void expectBytesOfARunAlone(const std::string& options, const std::vector<int>& sizes) {
+    SCOPED_TRACE(options);
+    const std::string compute = "compute " + options + " --quiet -o ";
+    ASSERT_EQ(run(compute + file("alone.csv")).status, 0);
+    const std::string alone = readFile(file("alone.csv"));
+    ASSERT_FALSE(alone.empty());
+    for (const int ranks : sizes) {
+      const Result shared = runRanks(ranks, compute + file("shared.csv"));
+      EXPECT_EQ(shared.status, 0) << ranks << ": " << shared.output;
+      EXPECT_EQ(shared.output, "") << ranks;
+      EXPECT_EQ(readFile(file("shared.csv")), alone) << ranks;
+      fs::remove(file("shared.csv"));
+    }
+  }
+  void waitForFile(Running& running, const std::string& name) {
+    for (int turn = 0; turn < 600 && !fs::exists(file(name)) && !running.hasEnded(); ++turn) waitFor(0.05);
+    ASSERT_TRUE(fs::exists(file(name))) << readFile(file("messages"));
+  }
+};
+
+TEST_F(RankProgram, GivesTheBytesOfARunAlone) {
+  expectBytesOfARunAlone(kStreet + " --directions 30 --replicates 3", {1, 2, 3, 5});
+  expectBytesOfARunAlone(kStreet + " --tolerance 5e-3 --promise off", {2, 5});
+  expectBytesOfARunAlone(kStreet + " --epsilon 1e-2 --by surface", {3});
+  expectBytesOfARunAlone(kStreet + " --tolerance 1e-2", {3});  // a promise
+  expectBytesOfARunAlone(VIEWPEEL_SCENES "/past_edge.obj --directions 64 --unoccluded on --relative 0.05 --floor 1e-4",
+                         {2});  // pairs with directions of their own
+}
+
+TEST_F(RankProgram, CountsByComputeShaders) {
+  expectBytesOfARunAlone(kStreet + " --engine compute --device cpu --directions 8 --replicates 2", {2});
+}
+
+// Ranks with different numbers of threads have different shares.
+TEST_F(RankProgram, MayBeUneven) {
+  const std::string options = "compute " + kStreet + " --directions 30 --replicates 3 --quiet -o ";
+  ASSERT_EQ(run(options + file("alone.csv")).status, 0);
+  const std::string rank = " " VIEWPEEL_PROGRAM " " + options + file("shared.csv") + " --threads ";
+  const Result shared =
+      run(options + file("shared.csv") + " --threads 1 :" + " -n 1" + rank + "3 : -n 2" + rank + "2", launcher(1));
+  EXPECT_EQ(shared.status, 0) << shared.output;
+  EXPECT_EQ(readFile(file("shared.csv")), readFile(file("alone.csv")));
+}
+
+TEST_F(RankProgram, SolvesAsARunAlone) {
+  const std::string solve = "solve " VIEWPEEL_SCENES "/office.obj --materials " VIEWPEEL_SCENES
+                            "/office_materials.csv --form-factor-tolerance 5e-3 --quiet -o ";
+  ASSERT_EQ(run(solve + file("alone.csv")).status, 0);
+  ASSERT_EQ(runRanks(2, solve + file("shared.csv")).status, 0);
+  EXPECT_EQ(readFile(file("shared.csv")), readFile(file("alone.csv")));
+}
+
+// Rank 0 prints once, whatever all ranks have met.
+TEST_F(RankProgram, SpeaksWithOneVoice) {
+  const Result missing = runRanks(3, "compute " + file("missing.obj"));
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_EQ(linesOf(missing.output, "viewpeel:").size(), 1u) << missing.output;
+  const Result mistaken = runRanks(3, "compute " + kStreet + " --tolerence 1e-3");
+  EXPECT_EQ(mistaken.status, 2);
+  EXPECT_EQ(linesOf(mistaken.output, "viewpeel:").size(), 1u) << mistaken.output;
+  const Result good = runRanks(3, "compute " + kStreet + " --tolerance 2e-2");
+  EXPECT_EQ(good.status, 0);
+  EXPECT_EQ(linesOf(good.output, "scene").size(), 1u) << good.output;
+  EXPECT_EQ(linesOf(good.output, "ranks      3 ").size(), 1u) << good.output;
+}
+
+// An error of another rank ends the job with one line of rank 0, and what rank 0 alone does needs no other.
+TEST_F(RankProgram, ErrorsOfOtherRanksEndTheJob) {
+  const std::string rank = " : -n 1 " VIEWPEEL_PROGRAM " compute ";
+  const Result other = run("compute " + kStreet + rank + VIEWPEEL_SCENES "/cube.obj", launcher(1));
+  EXPECT_EQ(other.status, 2);
+  ASSERT_EQ(linesOf(other.output, "viewpeel:").size(), 1u) << other.output;
+  EXPECT_NE(other.output.find("viewpeel: rank 1: has read another scene than rank 0"), std::string::npos);
+  const Result missing = run("compute " + kStreet + rank + file("missing.obj"), launcher(1));
+  EXPECT_EQ(missing.status, 2);
+  ASSERT_EQ(linesOf(missing.output, "viewpeel:").size(), 1u) << missing.output;
+  EXPECT_NE(missing.output.find("viewpeel: rank 1: " + file("missing.obj")), std::string::npos);
+  EXPECT_EQ(runRanks(2, "plan " + kStreet + " --quiet").output.find("rank"), std::string::npos);
+}
+
+// A killed rank ends the job. The checkpoint is whole, and other ranks go on from it, to the bytes of a run alone.
+TEST_F(RankProgram, AKilledRankLeavesAWholeCheckpoint) {
+  const std::string options = "compute " + kStreet + " --directions 16 --quiet --checkpoint ";
+  {
+    Running job(options + file("a.h5") + " --replicates 1000000 --checkpoint-seconds 0", file("messages"), "",
+                launcher(3));
+    waitForFile(job, "a.h5");
+    const pid_t victim = findRank(job.pid(), 2);
+    ASSERT_GT(victim, 0) << readFile(file("messages"));
+    ::kill(victim, SIGKILL);
+    EXPECT_NE(job.wait(), 0);
+  }
+  const std::string done = replicatesOf("a.h5");  // "0 to 17 (18)" or so
+  const size_t last = done.find("to ");
+  ASSERT_NE(last, std::string::npos) << done;
+  const std::string all = fmt::format(" --replicates {}", std::stoul(done.substr(last + 3)) + 4);
+  const Result resumed = runRanks(2, options + file("a.h5") + all + " --resume -o " + file("resumed.csv"));
+  ASSERT_EQ(resumed.status, 0) << resumed.output;
+  ASSERT_EQ(run("compute " + kStreet + " --directions 16 --quiet" + all + " -o " + file("alone.csv")).status, 0);
+  EXPECT_EQ(readFile(file("resumed.csv")), readFile(file("alone.csv")));
+}
+
+// A signal to mpirun stops all ranks together, and rank 0 writes what it has.
+TEST_F(RankProgram, SignalsStopAllRanks) {
+  Running job("compute " + kStreet + " --directions 16 --replicates 1000000 --checkpoint-seconds 0 --checkpoint " +
+                  file("a.h5") + " -o " + file("a.csv"),
+              file("messages"), "", launcher(3));
+  waitForFile(job, "a.h5");
+  waitFor(0.5);
+  const auto start = Clock::now();
+  job.send(SIGTERM);
+  EXPECT_NE(job.wait(), 0);
+  EXPECT_LT(secondsSince(start), kSoon);
+  const std::string messages = readFile(file("messages"));
+  const std::vector<std::string> lines = linesOf(messages, "viewpeel: stopped by SIGTERM");
+  ASSERT_EQ(lines.size(), 1u) << messages;
+  EXPECT_NE(lines[0].find("results are written"), std::string::npos) << messages;
+  EXPECT_NE(replicatesOf("a.h5").find("0 to "), std::string::npos);
+  EXPECT_TRUE(fs::exists(file("a.csv")));
+}
+
+}  // namespace
+}  // namespace viewpeel
