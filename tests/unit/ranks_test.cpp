@@ -10,6 +10,8 @@
 #include <viewpeel/error.h>
 #include <viewpeel/ranks.h>
 
+#include "directions/sampler.h"
+#include "engines/host_engine.h"
 #include "ranks/crew.h"
 #include "ranks/message.h"
 #include "scenes/named_scenes.h"
@@ -71,7 +73,7 @@ std::vector<Case> cases() {
   Request fixed = onHost(FixedAmount{.directions = 30, .replicates = 3}), windows = fixed, unoccluded = fixed,
           lines = onHost(Tolerance{5e-3}), promise = onHost(Tolerance{1e-2}), guarantee = onHost(EpsilonDelta{2e-2}),
           // A plan of blocks depends on measured times, unless the request has both of its figures.
-          blocks = onHost(EpsilonDelta{.epsilon = 0.2, .delta = 0.1, .range = 4, .block_directions = 40});
+      blocks = onHost(EpsilonDelta{.epsilon = 0.2, .delta = 0.1, .range = 4, .block_directions = 40});
   windows.goal = FixedAmount{.directions = 30, .replicates = 3, .resolution = 64, .finest = 256};
   unoccluded.unoccluded = true;
   lines.promise = false;
@@ -220,6 +222,37 @@ TEST_F(RanksInAFolder, ResumeWithOthers) {
   };
   runFor(3, 3, false);
   expectSameBits(computeFormFactors(scene, request), runFor(2, 1'000'000, true), "resumed");
+}
+
+// docs/clusters.md states the messages and bytes of a run of directions: 96 bytes a direction, 24 a pair that the
+// directions of a rank met, and little more.
+TEST(Ranks, MessagesAreAsLargeAsTheDocumentsSay) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  constexpr uint32_t kSize = 4, kDirections = 40, kReplicates = 3;
+  Request request = onHost(FixedAmount{.directions = kDirections, .replicates = kReplicates});
+  const auto measure = [&](uint32_t replicates) {
+    request.goal = FixedAmount{.directions = kDirections, .replicates = replicates};
+    return test::withRanks(
+        kSize, [&](Ranks& ranks) { serveRanks(ranks, scene, request); },
+        [&](Ranks& ranks) {
+          Request shared = request;
+          shared.ranks = &ranks;
+          computeFormFactors(scene, shared);
+        });
+  };
+  const auto [messages, bytes] = measure(kReplicates);
+  const auto [more_messages, more_bytes] = measure(kReplicates + 1);
+  EXPECT_EQ(more_messages - messages, 2 * (kSize - 1));
+  // What a rank's ten directions of the last replicate meet, an engine of its own counts.
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::unique_ptr<Engine> engine = makeHostEngine(scene, ids, {.sampling = Sampling::scanline});
+  const std::vector<Direction> all = sampleDirections(Sampler::fibonacci, kDirections, request.seed, kReplicates);
+  uint64_t expected = 0;
+  for (uint32_t rank = 1; rank < kSize; ++rank) {
+    const size_t pairs = engine->count(std::span(all).subspan(10 * rank, 10)).size();
+    expected += 17 + 96 * 10 + 9 + 24 * pairs;
+  }
+  EXPECT_EQ(more_bytes - bytes, expected);
 }
 
 // --- what ranks say to each other -----------------------------------------------------------------------------------
