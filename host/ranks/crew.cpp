@@ -1,15 +1,14 @@
 #include "ranks/crew.h"
 
-#include <chrono>
 #include <exception>
 #include <optional>
-#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "interrupted.h"
 #include "ranks/message.h"
+#include "ranks/pause.h"
 #include "stopwatch.h"
 
 namespace viewpeel {
@@ -17,7 +16,6 @@ namespace {
 
 constexpr double kSecondsToStop = 0.5;  // mpirun kills ranks a second after it has told them to end
 constexpr double kSecondsToEnd = 10;
-constexpr std::chrono::microseconds kPause(50);  // between two looks for messages
 
 [[noreturn]] void rethrow(const std::string& answer, uint32_t rank) {
   MessageReader in(answer, 1);
@@ -63,6 +61,7 @@ std::vector<std::string> Crew::share(const std::function<std::string(uint32_t)>&
   };
   attempt(own);
   std::vector<std::string> answers(size() - 1);
+  Pause pause;
   for (uint32_t waiting = size() - 1; waiting > 0;) {
     bool has_news = false;
     for (uint32_t rank = 1; rank < size(); ++rank) {
@@ -78,7 +77,7 @@ std::vector<std::string> Crew::share(const std::function<std::string(uint32_t)>&
       is_lost_ = waiting > 0;
       break;
     }
-    if (!has_news) std::this_thread::sleep_for(kPause);
+    if (!has_news) pause.wait();
   }
   if (failure) std::rethrow_exception(failure);
   for (std::string& answer : answers) answer.erase(0, 1);
@@ -105,12 +104,13 @@ bool endRanks(Ranks& ranks) {
   const std::string end = MessageWriter().put(RankWork::end).take();
   for (uint32_t rank = 1; rank < ranks.size(); ++rank) ranks.send(rank, end);
   const auto start = Clock::now();
+  Pause pause;
   for (uint32_t rank = 1; rank < ranks.size();) {
     // Answers that rank 0 has given up come before the last.
     const std::optional<std::string> answer = ranks.poll(rank);
     if (answer && !answer->empty() && answer->front() == char(RankAnswer::ended)) ++rank;
     else if (secondsSince(start) > kSecondsToEnd) return false;
-    else if (!answer) std::this_thread::sleep_for(kPause);
+    else if (!answer) pause.wait();
   }
   return true;
 }

@@ -1,7 +1,6 @@
 // Counts for rank 0 (include/viewpeel/ranks.h).
 
 #include <atomic>
-#include <chrono>
 #include <map>
 #include <memory>
 #include <thread>
@@ -16,19 +15,16 @@
 #include "interrupted.h"
 #include "pair_lines/ranked_lines.h"
 #include "ranks/crew.h"
+#include "ranks/pause.h"
 #include "ranks/put_ids.h"
 #include "threads.h"
 
 namespace viewpeel {
 namespace {
 
-constexpr std::chrono::microseconds kPause(100);  // between two looks for a question
-
 std::string waitForQuestion(Ranks& ranks) {
-  for (;;) {
+  for (Pause pause;; pause.wait())
     if (std::optional<std::string> question = ranks.poll(0)) return std::move(*question);
-    std::this_thread::sleep_for(kPause);
-  }
 }
 
 std::string answerOf(const Error& error) {
