@@ -138,7 +138,7 @@ void addCheck(CLI::App& app, Run& chosen) {
   startGroup(command, kMethod);
   addChoice(command, "--sampling", options->sampling,
             {{"lattice", Sampling::lattice}, {"scanline", Sampling::scanline}}, "The samples to check");
-  command->add_option("--seed", options->check.seed, "Of directions and lattices")
+  command->add_option("--seed", options->check.seed, "Seed of directions and lattices")
       ->type_name("K")
       ->check(isWholeNumber)
       ->capture_default_str();

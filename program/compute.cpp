@@ -50,7 +50,7 @@ void warnOfGoal(const Request& request, const Result& result) {
                                                    : std::nullopt;
   if (relative && !(result.largest_relative_error > 0))
     warn(
-        fmt::format("no form factor is as large as --floor {}, and --relative {} is of those that are; give a lower "
+        fmt::format("no form factor reaches --floor {}, so that --relative {} has none to look at; give a lower "
                     "--floor, or a --tolerance",
                     request.relative_floor, *relative));
 }

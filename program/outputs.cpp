@@ -130,7 +130,7 @@ void settleOutputs(const CLI::App* command, OutputOptions& options) {
   if (count > 1) throw Error(ErrorCode::bad_usage, "-o - is given twice; standard output takes one result");
   options.to_stdout = count == 1;
   if (!options.to_stdout && command->get_option("--format")->count())
-    throw Error(ErrorCode::bad_usage, "--format is of standard output; add -o -, or name a file by its ending");
+    throw Error(ErrorCode::bad_usage, "--format is for standard output; add -o -, or name a file by its ending");
 }
 
 }  // namespace viewpeel::program

@@ -34,8 +34,8 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
   command
       ->add_option_function<std::string>(
           "--promise", [options](const std::string& word) { options->request.promise = word == "on"; },
-          "Promise the --tolerance: every form factor within it with probability 0.99, and in an interval. Without it "
-          "that is done where it costs at most twice an estimate")
+          "Promise the --tolerance: every form factor within it with probability 0.99, and in an interval. By default "
+          "a promise is made where it costs at most twice an estimate")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
   addGoal("--relative", options->relative,
@@ -124,7 +124,7 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
           [options](const std::string& word) { options->request.unoccluded = word == "on"; },
           "Sample only the visibility of a pair, the share of its lines that nothing blocks, and integrate its "
           "unoccluded "
-          "form factor; --closed-forms is its older name. Planned runs do, where they can")
+          "form factor; --closed-forms is its older name. By default planned runs do so where they can")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
   command
@@ -132,7 +132,7 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
           "--pair-lines", [options](const std::string& word) { options->request.pair_lines = word == "on"; },
           "Draw lines between the two polygons of each pair that something may block, as many as its error asks for, "
           "in "
-          "place of directions for all pairs. Without it planned runs do, where that pays")
+          "place of directions for all pairs. By default planned runs do so where it is quicker")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
 }
@@ -226,7 +226,7 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   request.exact_engine = reference::exactEngines();
   for (const char* name : {"--delta", "--rows", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count())
-      throw Error(ErrorCode::bad_usage, fmt::format("{} is of a guarantee; give its --epsilon", name));
+      throw Error(ErrorCode::bad_usage, fmt::format("{} belongs to a guarantee; give --epsilon, too", name));
   if (options.epsilon && (options.tolerance || options.relative || command->get_option("--replicates")->count()))
     throw Error(
         ErrorCode::bad_usage,

@@ -23,7 +23,8 @@ std::string writeSomewhere(const std::string& file, const std::function<void(con
       if (!asks) throw;
       complain(error.what());
     }
-    fmt::print(stderr, "viewpeel: the result is still in memory; write it to (nothing gives it up): ");
+    fmt::print(stderr,
+               "viewpeel: the result is still in memory; type a file to write it to, or only Enter to give it up: ");
     std::fflush(stderr);
     std::string answer;
     if (!std::getline(std::cin, answer) || answer.empty())

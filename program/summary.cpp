@@ -172,7 +172,7 @@ std::string describeDirected(const Estimate& estimate) {
 std::string describeResult(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   if (f.entries().empty())
-    return "\nNothing that was asked for sees anything: every form factor is 0.\n\n" + describeErrors(estimate);
+    return "\nNo row that was asked for sees another row: every form factor is 0.\n\n" + describeErrors(estimate);
   const bool splits_surfaces = f.ids().splits_surfaces;
   return fmt::format("\nlargest form factors{}\n{}\n{}", splits_surfaces ? "" : " between surfaces",
                      tabulateLargest(splits_surfaces ? f : estimate.between_surfaces, 20), describeErrors(estimate));

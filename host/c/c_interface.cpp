@@ -117,7 +117,7 @@ viewpeel::Request requestOf(const viewpeel_options& options) {
   if (options.seconds != 0) request.time_limit_s = options.seconds;
   const bool is_guarantee = options.epsilon != 0, is_estimate = options.tolerance != 0 || options.relative != 0;
   if (is_guarantee && is_estimate) refuse("epsilon beside tolerance or relative: a guarantee is a goal of its own");
-  if (!is_guarantee && options.delta != 0) refuse("delta is of a guarantee; give its epsilon");
+  if (!is_guarantee && options.delta != 0) refuse("delta belongs to a guarantee; give epsilon, too");
   if (is_guarantee) {
     EpsilonDelta guarantee{.epsilon = options.epsilon};
     if (options.delta != 0) guarantee.delta = options.delta;

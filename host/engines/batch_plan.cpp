@@ -52,9 +52,8 @@ BatchPlan planBatches(const Device& device, const LatticeOptions& options, const
                             polygons, options.resolution, double(needs.fixed_bytes + bytes_without) / 1048576.0,
                             device.description().name, double(available) / 1048576.0));
   if (divideUp(polygons, kGroupSize) > limits.maxComputeWorkGroupCount[0])
-    throw Error(ErrorCode::limit,
-                fmt::format("{} polygons are more than {} can be asked to project at once; try a smaller scene",
-                            polygons, device.description().name));
+    throw Error(ErrorCode::limit, fmt::format("{} polygons are more than {} can project at once; try a smaller scene",
+                                              polygons, device.description().name));
   const uint64_t wanted = options.memory_budget_bytes ? options.memory_budget_bytes : kMemoryBudget;
   const uint64_t budget = std::min<uint64_t>(wanted, available - needs.fixed_bytes) / 2,
                  largest = largestBuffer(device);

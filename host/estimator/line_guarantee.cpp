@@ -116,7 +116,7 @@ void LineGuarantee::step() {
       if (is_done[first + k] || look_ + 1 < entry.looks) continue;
       throw Error(
           ErrorCode::limit,
-          fmt::format("rounding leaves the form factor of {} and {} open, so that it cannot be guaranteed; ask for "
+          fmt::format("the form factor of {} and {} cannot be guaranteed, for rounding errors may decide it; ask for "
                       "a larger --epsilon, or an estimate by --tolerance",
                       ids_.names[entry.i], nameOf(entry.j)));
     }

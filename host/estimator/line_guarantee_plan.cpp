@@ -81,9 +81,10 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
     const double area = ids_.smallerArea(entry.i, entry.j);
     entry.allowed = options_.epsilon * area - kRoundingError * entry.exchange;
     if (entry.allowed < kLeastRoundingShare * options_.epsilon * area)
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("--epsilon {} is below what rounding leaves of a guarantee; ask for {:.0e} or more",
-                              options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
+      throw Error(
+          ErrorCode::bad_usage,
+          fmt::format("--epsilon {} is too small for the rounding errors of a guarantee; ask for {:.0e} or more",
+                      options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
     if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // a part of the row's sum, as environment is
   }
 }

@@ -38,8 +38,8 @@ void LineGuarantee::requireRows() const {
     if (off > options_.epsilon)
       throw Error(
           ErrorCode::limit,
-          fmt::format("the row of {} sees slivers beside it in so many pairs that its environment is bounded to "
-                      "{:.2e} only; ask for a larger --epsilon, or leave out --rows",
+          fmt::format("{} has slivers beside it in so many pairs that its form factor to the environment is bounded "
+                      "only to {:.2e}; ask for a larger --epsilon, or leave out --rows",
                       ids_.names[id], off));
   }
 }

@@ -78,7 +78,7 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   Checkpoint checkpoint{std::move(settings),
                         {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
                          std::move(prior_sums), std::move(lines)}};
-  if (!checkpoint.sums.isWhole()) in.refuse("its replicates are not those it has sums of");
+  if (!checkpoint.sums.isWhole()) in.refuse("its list of replicates does not agree with its sums");
   return checkpoint;
 }
 
@@ -109,8 +109,8 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
     }
     if (shared.first < shared.end)
       throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: replicates {} to {} are in a file before it, too, and others are not: a file's "
-                              "replicates cannot be told apart; leave out one of the two, and count the rest again",
+                  fmt::format("{}: an earlier file has its replicates {} to {}, too, but not all: the sums of one file "
+                              "cannot be taken apart; leave out one of the two, and count the rest again",
                               files[k].string(), shared.first, shared.end - 1));
     if (other.sums.by_id.ids().areas != merged.sums.by_id.ids().areas ||
         other.sums.by_surface.ids().areas != merged.sums.by_surface.ids().areas ||

@@ -66,7 +66,7 @@ hid_t createFile() {
 
 [[noreturn]] void failToWrite(const std::string& what) {
   throw Error(ErrorCode::limit,
-              fmt::format("HDF5 cannot make {}, for want of memory it seems; try --by surface", what));
+              fmt::format("HDF5 cannot make {}, probably for lack of memory; try --by surface", what));
 }
 
 // Makes the groups in a column's name, without times of creation, which HDF5 would add by itself.
@@ -271,7 +271,7 @@ Hdf5Input::Hdf5Input(const std::vector<char>& bytes, const std::string& name, co
   // HDF5 refuses an image with the name of a file on disk; no file can have this name, for /dev/null is no folder.
   if (H5Pset_file_image(access, image.data(), image.size()) >= 0)
     id_ = H5Fopen("/dev/null/image", H5F_ACC_RDONLY, access);
-  if (id_ < 0) refuse("HDF5 cannot read it, for want of memory it seems");
+  if (id_ < 0) refuse("HDF5 cannot read it, probably for lack of memory");
 }
 
 Hdf5Input::~Hdf5Input() {

@@ -85,7 +85,7 @@ ReportGeometry readGeometry(Hdf5Input& in, size_t row_count) {
   for (size_t k = 0; k < count; ++k)
     if (geometry.corner_count[k] < 3 ||
         static_cast<size_t>(geometry.first_corner[k]) + static_cast<size_t>(geometry.corner_count[k]) > corners)
-      in.refuse("its polygons have other corners than there are");
+      in.refuse("its polygons do not agree with its list of corners");
   return geometry;
 }
 

@@ -81,7 +81,7 @@ ControlVariateSums readControlSums(Hdf5Input& in, const std::string& group, cons
   readWide(in, group + "/sum", pairs, [&](ControlSum& pair, Wide wide) {
     pair.sum = static_cast<ControlVariateSums::SignedWide>(wide);
     if (pair.sum >= kMostControl || pair.sum <= -kMostControl)
-      in.refuse(fmt::format("its '{}/sum' are larger than sums come to", group));
+      in.refuse(fmt::format("its '{}/sum' are larger than sums can be", group));
   });
   readWide(in, group + "/sum_of_squares", pairs, [](ControlSum& pair, Wide wide) { pair.sum_of_squares = wide; });
   readWide(in, group + "/squares", pairs, [](ControlSum& pair, Wide wide) { pair.squares = wide; });
@@ -107,7 +107,7 @@ VisibilitySums readVisibilitySums(Hdf5Input& in, const std::string& group, const
            [](VisibilitySums::Squares& of_pair, Wide wide) { of_pair.blocked = wide; });
   for (const VisibilitySum& pair : pairs)
     if (std::max(pair.facing, pair.blocked) >= kMostLines)
-      in.refuse(fmt::format("its '{}' are larger than sums come to", group));
+      in.refuse(fmt::format("its '{}' are larger than sums can be", group));
   requireOrder(in, group, pairs, ids.count());
   return {ids, replicate_count, std::move(pairs), squares};
 }
@@ -266,7 +266,7 @@ std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const
     is_taken[rank] = true;
   }
   if (pairCount(prior.ranks.size()) > kMostRowPairs)
-    in.refuse("its 'prior/ranks' are of more ids than neighbours are looked at for");
+    in.refuse("its 'prior/ranks' are of more ids than may have neighbours");
   if (!prior.ranks.empty() && prior.ranks.size() != face_ids.count())
     in.refuse(fmt::format("its 'prior/ranks' has {} values for {}", prior.ranks.size(), face_ids.count()));
   for (uint32_t i : in.read<uint32_t>("prior/pairs/i")) prior.pairs.push_back({i, 0});

@@ -31,7 +31,7 @@ std::vector<uint8_t> deflateBytes(const std::vector<uint8_t>& bytes) {
   uLongf size = compressBound(bytes.size());
   std::vector<uint8_t> deflated(size);
   if (compress2(deflated.data(), &size, bytes.data(), bytes.size(), kCompression) != Z_OK)
-    throw Error(ErrorCode::limit, "zlib cannot make a page, for want of memory it seems; try --by surface");
+    throw Error(ErrorCode::limit, "zlib cannot make a page, probably for lack of memory; try --by surface");
   deflated.resize(size);
   return deflated;
 }

@@ -88,7 +88,8 @@ void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids) 
   for (const std::string& name : question.blockers)
     for (uint32_t polygon : findPolygons(scene, name)) {
       if ((!question.from.empty() && (ids.roles[polygon] & kEmits)) || (!question.pair.empty() && ids.roles[polygon]))
-        throw Error(ErrorCode::bad_usage, fmt::format("'{}' is asked for and only blocks; drop one of the two", name));
+        throw Error(ErrorCode::bad_usage,
+                    fmt::format("'{}' is asked for and also given as --blocker; leave out one of the two", name));
       ids.roles[polygon] = 0;
       ids.requested[ids.of_polygon[polygon]] = false;
     }

@@ -85,7 +85,7 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
   const FrontRays rays = followFronts(scene, weightPolygons(scene, ids, leaks));
   if (rays.leaks.empty())
     lines.push_back(
-        fmt::format("{}: onto whose backs is not known: none of {} rays from there met one", scene.file, rays.rays));
+        fmt::format("{}: the backs are not known: none of {} rays from fronts hit a back", scene.file, rays.rays));
   for (std::string& line : describeLeaks(scene, rays.leaks)) lines.push_back(std::move(line));
   return lines;
 }

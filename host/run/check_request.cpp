@@ -62,7 +62,7 @@ void checkRequest(const Request& request) {
           "--pair-lines on needs a goal by --tolerance, --relative or --epsilon, and any engine but exact; leave out "
           "--directions, --seconds without a tolerance, --statistic median, --range and --block");
     if (request.unoccluded.has_value())
-      refuse("--pair-lines on takes unoccluded form factors as they are; leave out --unoccluded");
+      refuse("--pair-lines on always takes unoccluded form factors; leave out --unoccluded");
   }
   if (request.balance && !request.question.isEverything()) refuse(kBalanceNeedsEveryRow);
   if (request.promise) {

@@ -45,11 +45,10 @@ std::string FormFactorRun::resumeFrom(const std::filesystem::path& checkpoint) {
   requireSameSettings(settings(), unplanned, checkpoint);
   const uint64_t first = request().first_replicate;
   if (found.sums.replicates != std::vector{ReplicateRange{first, first + found.sums.replicateCount()}})
-    throw Error(
-        ErrorCode::bad_usage,
-        fmt::format(
-            "{}: holds replicates {}, not all from --first-replicate {} on; merge it with those that are missing",
-            checkpoint.string(), describeReplicates(found.sums.replicates), first));
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: holds replicates {}, not all from --first-replicate {} on; merge it with the files of "
+                            "the missing ones",
+                            checkpoint.string(), describeReplicates(found.sums.replicates), first));
   state_->setup.adoptPlan(found.settings);
   state_->resumed = std::move(found);
   state_->resumed_file = checkpoint;

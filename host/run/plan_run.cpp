@@ -58,8 +58,8 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   if (!setup.unoccludedByDefault())
     throw Error(
         ErrorCode::bad_usage,
-        "polygons differ too much in size for unoccluded form factors at this goal: counts would be too large; say "
-        "--unoccluded off, or ask for less");
+        "polygons differ too much in size for unoccluded form factors at this goal: counts would be too large; add "
+        "--unoccluded off, or ask for a larger error");
   found.engine.reset();
   setup.leaveOutUnoccluded();
   return planned();
@@ -171,7 +171,7 @@ std::string FormFactorRun::State::makePairLines() {
   if (pair_lines->hasUnordered() && insists)
     throw Error(
         ErrorCode::bad_usage,
-        "polygons coincide of which nothing says which lies in front, and pair lines need to know; name them by "
+        "polygons coincide, and nothing says which of them lies in front, as pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
   const std::string why = takeMixture(counts);

@@ -127,8 +127,8 @@ void Setup::settleUnoccluded() {
                                              scene_.faces.size() <= kMostUnoccludedFaces);
   if (!guarantee() || !unoccluded_ || pairCount(scene_.faces.size()) <= kMostPriorPairs) return;
   throw Error(ErrorCode::bad_usage,
-              fmt::format("a guarantee with unoccluded form factors needs those of all pairs of polygons: "
-                          "{} at most, not {}; say --unoccluded off",
+              fmt::format("a guarantee with unoccluded form factors computes them for all pairs of polygons: "
+                          "{} at most, and there are {}; add --unoccluded off",
                           kMostPriorPairs, pairCount(scene_.faces.size())));
 }
 

@@ -101,7 +101,7 @@ void setRules(EnergyPlusBuilding& building, const std::string& entry, const std:
 void addWall(const IdfObject& object, size_t zone, EnergyPlusBuilding& building) {
   const bool has_space = !isBoundaryCondition(object.field(zone + 1));
   if (has_space && !isBoundaryCondition(object.field(zone + 2)))
-    object.place.refuse("there is no outside boundary condition behind the zone; correct it");
+    object.place.refuse("there is no outside boundary condition after the zone; correct it");
   // The fields before the coordinates are: condition, its object, sun, wind, view factor to ground, number of vertices.
   const size_t first = zone + (has_space ? 8 : 7);
   EnergyPlusSurface surface{object.field(0),

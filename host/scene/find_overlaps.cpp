@@ -94,9 +94,8 @@ void Stacking::findOverlap(uint32_t a, uint32_t b) {
   if (width < least_width || std::max(overlap.high, -overlap.low) > kThinGap * width) return;
   overlap.gap = (overlap.low + overlap.high) / 2;
   if (overlaps_.size() >= kMostOverlaps)
-    throw Error(ErrorCode::limit,
-                fmt::format("{}: more than {} pairs of polygons coincide; remove faces that are there many times",
-                            scene_.file, kMostOverlaps));
+    throw Error(ErrorCode::limit, fmt::format("{}: more than {} pairs of polygons coincide; remove repeated faces",
+                                              scene_.file, kMostOverlaps));
   forceOrder(overlap);
   overlaps_of_[a].push_back(static_cast<uint32_t>(overlaps_.size()));
   overlaps_of_[b].push_back(static_cast<uint32_t>(overlaps_.size()));

@@ -50,7 +50,7 @@ class VtkReader {
     const std::vector<int64_t> ends = file_.integers(find(cells, "offsets"));
     const std::vector<int64_t> types =
         is_polydata_ ? std::vector<int64_t>(ends.size(), kPolygon) : file_.integers(find(cells, "types"));
-    if (types.size() != ends.size()) file_.refuse("'types' and 'offsets' are not as long; export the file again");
+    if (types.size() != ends.size()) file_.refuse("'types' and 'offsets' differ in length; export the file again");
     const std::vector<std::string> names = surfaceNames(piece.child("CellData"));
     int64_t start = 0;
     for (size_t k = 0; k < ends.size(); ++k) {

@@ -145,8 +145,8 @@ uint64_t rankCoincidentPolygons(Scene& scene, TieOrders orders) {
   }
   if (!too_high.empty())
     scene.warnings.push_back(
-        fmt::format("{}: {} polygons lie in stacks of more than {} that coincide, and only so many are told apart; "
-                    "remove faces that are there many times",
+        fmt::format("{}: {} polygons lie in stacks of more than {} coincident polygons, too many to order; "
+                    "remove repeated faces",
                     scene.file, too_high.size(), kTieRanks));
   return cycles;
 }

@@ -84,7 +84,7 @@ uint64_t VtkFile::headerAt(std::string_view bytes, size_t index) const {
   uint64_t value = 0;
   if (bytes.size() < (index + 1) * header_bytes_) refuse("an array is cut off in its header; export the file again");
   std::memcpy(&value, bytes.data() + index * header_bytes_, header_bytes_);
-  if (value > kLargestArray) refuse("an array has a length that is none; export the file again");
+  if (value > kLargestArray) refuse("the length of an array is impossible; export the file again");
   return value;
 }
 

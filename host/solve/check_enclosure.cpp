@@ -27,8 +27,8 @@ void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclo
     if (!refers[find(i)])
       throw Error(
           ErrorCode::bad_input,
-          fmt::format("'{}' has no temperature to refer to: it and all it exchanges with have heat fluxes only; "
-                      "give one of them a temperature",
+          fmt::format("the temperature of '{}' is open: it and all rows that it exchanges heat with have heat fluxes "
+                      "only; give one of them a temperature",
                       ids.names[i]));
 }
 

@@ -87,11 +87,10 @@ void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& fact
     for (size_t k = 0; k < factors.entries.size(); ++k)
       factors.entries[k].conductor = balanced.form_factors.entries()[k].exchange_area.value;
   } catch (const Error&) {
-    throw Error(
-        ErrorCode::bad_input,
-        fmt::format("exchange factors below {} are {:.2g} of what some row emits, too much for the rest to take "
-                    "their place; lower --drop-below",
-                    cut, factors.largest_dropped_share));
+    throw Error(ErrorCode::bad_input,
+                fmt::format("exchange factors below {} are {:.2g} of what some row emits, too much to leave out; "
+                            "lower --drop-below",
+                            cut, factors.largest_dropped_share));
   }
 }
 
@@ -104,7 +103,7 @@ ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclo
                 fmt::format("{} materials for {} rows; give one for each", enclosure.materials.size(), ids.count()));
   if (!enclosure.band_limits_um.empty())
     throw Error(ErrorCode::bad_usage,
-                "exchange factors are of one emissivity a row, not one for each band; leave out --exchange, or give "
+                "exchange factors need one emissivity a row, not one for each band; leave out --exchange, or give "
                 "grey materials");
   if (ids.count() > kMostRows)
     throw Error(ErrorCode::limit,

@@ -43,10 +43,11 @@ VectorXd Irradiation::solveSymmetric(const VectorXd& right_side) const {
     residual = right_side - symmetric_ * h;
     if (residual.norm() <= kResidual * sizeOfTerms()) return h;
   }
-  throw Error(ErrorCode::limit,
-              fmt::format("conjugate gradients ended {:.1e} off the equations; emissivities are too small, or rows see "
-                          "too little: give them more, or leave such rows out",
-                          residual.norm() / right_side.norm()));
+  throw Error(
+      ErrorCode::limit,
+      fmt::format("conjugate gradients ended with a relative residual of {:.1e}; emissivities are too small, or "
+                  "rows see too little; give larger emissivities, or leave these rows out",
+                  residual.norm() / right_side.norm()));
 }
 
 VectorXd Irradiation::solve(const VectorXd& b) const { return irradiationOf(b, solveSymmetric(root_.cwiseProduct(b))); }

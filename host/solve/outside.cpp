@@ -19,7 +19,7 @@ Outside makeOutside(const ClosedExchange& closed, const Enclosure& enclosure,
   const std::optional<EnvironmentParts>& parts = enclosure.environment_parts;
   if (!parts || parts->up_share.size() != static_cast<size_t>(n))
     throw Error(ErrorCode::bad_usage,
-                "sky and ground have temperatures of their own, which takes the environment of all rows in two parts; "
+                "sky and ground have two temperatures, so the environment of each row is needed in two parts; "
                 "give Enclosure::environment_parts by measureEnvironment");
   outside.up_power = power_of(enclosure.sky_and_ground->up);
   outside.down_power = power_of(enclosure.sky_and_ground->down);

@@ -85,7 +85,7 @@ Header readHeader(const std::vector<std::string>& names, const FilePlace& place)
   for (size_t k = 0; k < kColumns.size(); ++k) {
     const bool is_absent = header.has_bands && k == kEmissivity;
     if (std::ranges::count(header.columns, k) == (is_absent ? 0 : 1)) continue;
-    place.refuse(is_absent ? "the header has the column 'emissivity' beside those of bands; remove it"
+    place.refuse(is_absent ? "the header has the column 'emissivity' beside columns of bands; remove it"
                            : fmt::format("the header needs the column '{}' once: surface,emissivity,temperature,"
                                          "heat_flux",
                                          kColumns[k]));

@@ -58,7 +58,7 @@ class Solver {
     outside_ = makeOutside(closed_, enclosure, [&](double temperature) { return emissivePower(temperature) - shift_; });
     if (form_factors.hasIntervals() && !outside_.up_errors.empty())
       throw Error(ErrorCode::bad_usage,
-                  "bounds of form factors say nothing of sky and ground apart; leave out --epsilon, or give one "
+                  "bounds of form factors do not tell sky from ground; leave out --epsilon, or give one "
                   "temperature to 'environment'");
     irradiation_.emplace(closed_, reflectivity_);
     h_ = irradiation_->solve(closed_.pairs * source_ + closed_.environment.cwiseProduct(outside_.power));

@@ -199,7 +199,7 @@ const Edit kEdits[] = {
     {"f['geometry/row_of_polygon'][0] = 5", "'geometry/row_of_polygon' has 5"},
     {"f['geometry/surface_of_polygon'][0] = -2", "'geometry/surface_of_polygon' has -2"},
     {"f['geometry/first_corner'][0] = 99", "'geometry/first_corner' has 99"},
-    {"f['geometry/corner_count'][0] = 2", "other corners than there are"},
+    {"f['geometry/corner_count'][0] = 2", "do not agree with its list of corners"},
 };
 
 // Readers refuse such files with status 2 and one line that names file, fault and remedy.
