@@ -228,6 +228,11 @@ void addHeat(Json& report, const HeatSolution& solution, By by) {
                     {"to_environment_standard_error", solution.to_environment.standard_error},
                     {"balance_residual", solution.balance_residual},
                     {"heat_flow_total", solution.heat_flow_total}};
+  for (const auto& [name, part] : {std::pair("to_up", solution.to_up), std::pair("to_down", solution.to_down)}) {
+    if (!part) continue;
+    report["heat"][name] = part->value;
+    report["heat"][std::string(name) + "_standard_error"] = part->standard_error;
+  }
 }
 
 }  // namespace viewpeel::program

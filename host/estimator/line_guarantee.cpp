@@ -71,7 +71,7 @@ void LineGuarantee::take(Entry& entry, std::span<const UniformTask> tasks) {
 // Sets interval, value and standard error after a look.    Out: whether the interval is narrow enough for the
 // guarantee
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
-  const double blockable = entry.blockable(), rounding = kRoundingError * entry.exchange;
+  const double blockable = entry.blockable(), rounding = entry.rounding();
   double facing = 0, open = 0, guess = 0, lines = 0;
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     const Part& part = parts_[entry.first_part + k];
@@ -95,7 +95,7 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   entry.standard_error =
       entry.part_count ? blockable * std::sqrt(likely * (1 - likely) / (lines + 1) + 0.25 / ((lines + 1) * (lines + 1)))
                        : 0;
-  entry.standard_error += 1e-6 * entry.value;
+  entry.standard_error += entry.error;
   const double off = std::max(entry.interval.upper - entry.value, entry.value - entry.interval.lower);
   return is_proved || off <= options_.epsilon * ids_.smallerArea(entry.i, entry.j);
 }

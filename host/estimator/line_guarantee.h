@@ -20,7 +20,8 @@
 
 namespace viewpeel {
 
-// Allows for errors of unoccluded form factors (kUnoccludedRelativeError), and of the density of lines.
+// Relative error of what lines count: of the unoccluded exchange areas of blockable parts (kUnoccludedRelativeError),
+// and of the density of lines.
 constexpr double kRoundingError = 3e-6;
 
 struct LineGuaranteeOptions {
@@ -59,6 +60,7 @@ class LineGuarantee {
   // An Entry is a form factor between two ids, or the leak of one id.
   struct Entry {
     uint32_t i, j;
+    double error = 0;                // bound on the error of `exchange`
     double exchange = 0, clear = 0;  // unoccluded, and the part that nothing can block; input units squared
     double allowed = 0;              // error of the exchange area that the guarantee allows
     double weight = 0;               // most that one line weighs, after the last look
@@ -71,6 +73,8 @@ class LineGuarantee {
     double value = 0, standard_error = 0;
 
     double blockable() const { return exchange - clear; }
+    // Returns a bound on what unoccluded form factors and the density of lines add to the error.
+    double rounding() const { return error + kRoundingError * blockable(); }
     bool isBounded() const { return blockable() <= allowed; }
   };
   struct Part {

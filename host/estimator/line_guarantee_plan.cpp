@@ -71,6 +71,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
     const double ways = key.first == key.second ? 2 : 1;
     Entry& entry = entries_.back();
     entry.exchange += ways * pairs[k].exchange, entry.clear += ways * pairs[k].clear;
+    entry.error += ways * pairs[k].error;
     for (const PairLines::Part& part : lines_.blockableParts(k)) parts_.push_back({part.index, ways * part.exchange});
     entry.part_count = static_cast<uint32_t>(parts_.size()) - entry.first_part;
   }
@@ -79,7 +80,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
     for (uint32_t k = 0; k < entry.part_count; ++k) blockable += parts_[entry.first_part + k].exchange;
     entry.clear = entry.exchange - blockable;
     const double area = ids_.smallerArea(entry.i, entry.j);
-    entry.allowed = options_.epsilon * area - kRoundingError * entry.exchange;
+    entry.allowed = options_.epsilon * area - entry.rounding();
     if (entry.allowed < kLeastRoundingShare * options_.epsilon * area)
       throw Error(
           ErrorCode::bad_usage,
@@ -124,7 +125,7 @@ void LineGuarantee::planRows() {
       entry_counts(ids_.count(), 0);
   const auto addTo = [&](uint32_t row, const Entry& entry) {
     blockable[row] += entry.blockable(), parts[row] += entry.part_count;
-    rounding[row] += kRoundingError * entry.exchange;
+    rounding[row] += entry.rounding();
     ++entry_counts[row];
   };
   const auto forRows = [&](const Entry& entry, const auto& use) {

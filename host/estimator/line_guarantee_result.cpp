@@ -19,7 +19,7 @@ std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
     Row& row = rows[id];
     row.lower += entry.interval.lower, row.upper += entry.interval.upper;
     row.first += entry.clear + entry.first_facing, row.open += entry.first_open, row.squares += entry.first_variance;
-    row.rounding += kRoundingError * entry.exchange;
+    row.rounding += entry.rounding();
   };
   for (const Entry& entry : entries_) {
     addTo(entry.i, entry);

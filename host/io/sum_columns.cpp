@@ -213,6 +213,7 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "lines/j", pairs, [](const LinePair& pair) { return pair.j; });
   writeColumn<double>(out, "lines/exchange", pairs, [](const LinePair& pair) { return pair.exchange; });
   writeColumn<double>(out, "lines/clear", pairs, [](const LinePair& pair) { return pair.clear; });
+  writeColumn<double>(out, "lines/error", pairs, [](const LinePair& pair) { return pair.error; });
   writeColumn<uint32_t>(out, "lines/blocks", pairs, [](const LinePair& pair) { return pair.blocks; });
   writeColumn<uint32_t>(out, "lines/period", pairs, [](const LinePair& pair) { return pair.period; });
   writeColumn<uint8_t>(out, "lines/by_angles", pairs, [](const LinePair& pair) { return pair.by_angles; });
@@ -317,14 +318,18 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/j", pairs, [](LinePair& pair, uint32_t j) { pair.j = j; });
   readColumn<double>(in, "lines/exchange", pairs, [](LinePair& pair, double area) { pair.exchange = area; });
   readColumn<double>(in, "lines/clear", pairs, [](LinePair& pair, double area) { pair.clear = area; });
+  // Files without it are of exchange areas to 1e-6 (kUnoccludedRelativeError).
+  for (LinePair& pair : pairs) pair.error = 1e-6 * pair.exchange;
+  if (in.has("lines/error"))
+    readColumn<double>(in, "lines/error", pairs, [](LinePair& pair, double error) { pair.error = error; });
   readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
   requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs included
   const bool are_sound = std::ranges::all_of(pairs, [&](const LinePair& pair) {
     return pair.i < face_ids.count() && pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 &&
-           pair.exchange >= pair.clear && pair.clear >= 0 && std::isfinite(pair.exchange) &&
-           pair.blocks <= kMostLineBlocks;
+           pair.exchange >= pair.clear && pair.clear >= 0 && std::isfinite(pair.exchange) && pair.error >= 0 &&
+           std::isfinite(pair.error) && pair.blocks <= kMostLineBlocks;
   });
   if (!are_sound) in.refuse("its 'lines' are no pairs with lines");
   std::vector<LineSum> sums(pairs.size());

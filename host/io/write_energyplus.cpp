@@ -47,7 +47,10 @@ void writeIdf(const EnergyPlusBuilding& building, const std::vector<std::string>
               const std::vector<std::vector<uint32_t>>& rows, const SparseRows& sparse, std::ostream& out) {
   for (size_t zone = 0; zone < rows.size(); ++zone) {
     if (rows[zone].empty()) continue;
-    fmt::print(out, "ZoneProperty:UserViewFactors:BySurfaceName,\n  {},\n", building.zones[zone].name);
+    fmt::print(out,
+               "! from surface, to surface, view factor; surfaces are in the order of the building's file\n"
+               "ZoneProperty:UserViewFactors:BySurfaceName,\n  {},\n",
+               building.zones[zone].name);
     for (uint32_t i : rows[zone]) {
       const std::vector<double> values = rowOf(sparse, i);
       for (uint32_t j : rows[zone])

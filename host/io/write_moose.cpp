@@ -23,6 +23,7 @@ void writeMoose(const FormFactors& form_factors, std::ostream& out) {
   std::string boundary;
   for (const std::string& name : rowNames(form_factors.ids())) boundary += (boundary.empty() ? "" : " ") + name;
   fmt::print(out,
+             "# row i of view_factors is from the i-th boundary, column j to the j-th: in the order of the scene file\n"
              "[UserObjects]\n  [view_factors]\n    type = SpecifiedViewFactor\n    boundary = '{}'\n"
              "    view_factors = '",
              boundary);

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fmt/ostream.h>
 
+#include <viewpeel/drop_below.h>
 #include <viewpeel/environment.h>
 #include <viewpeel/solve.h>
 #include "io/shown_rows.h"
@@ -62,6 +63,9 @@ std::string textArray(const std::string& name, uint32_t count,
   return line + "</DataArray>\n";
 }
 
+const std::string kRowOrder =
+    "faces of the scene file, from 0, or with by=surface its surfaces: the array 'row' has each polygon's";
+
 // Returns the arrays of the polygons. Each polygon has the values of its row.
 std::string cellData(const OutputContent& content, Arrays& arrays) {
   const FormFactors& f = content.form_factors;
@@ -103,6 +107,7 @@ std::string cellData(const OutputContent& content, Arrays& arrays) {
     text += add("irradiation", [&](uint32_t id) { return rows_of_heat[id].irradiation.value; });
     text += add("heat_flux", [&](uint32_t id) { return rows_of_heat[id].heat_flux.value; });
   }
+  if (content.dropped) text += add("dropped", [&](uint32_t id) { return content.dropped->sums[id].value; });
   for (const std::string& name : content.shown) {
     const std::vector<double> values = formFactorsFrom(f, shownIds(scene, ids, name));
     text += add("from " + name, [&](uint32_t id) { return values[id]; });
@@ -132,10 +137,12 @@ void writeVtp(const OutputContent& content, std::ostream& out) {
   const std::string corners = arrays.add("connectivity", "Int64", connectivity) + arrays.add("offsets", "Int64", ends);
   fmt::print(out,
              "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-             "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"{}\" NumberOfVerts=\"0\" "
+             "header_type=\"UInt64\">\n<PolyData>\n<FieldData>\n{}</FieldData>\n<Piece NumberOfPoints=\"{}\" "
+             "NumberOfVerts=\"0\" "
              "NumberOfLines=\"0\" NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n<CellData Scalars=\"{}\">\n{}"
              "</CellData>\n<Points>\n{}</Points>\n<Polys>\n{}</Polys>\n</Piece>\n</PolyData>\n"
              "<AppendedData encoding=\"raw\">\n_",
+             textArray("row_order\" NumberOfTuples=\"1", 1, [](uint32_t) -> const std::string& { return kRowOrder; }),
              scene.corners.size(), scene.polygons.size(), content.has_environment_alone ? "environment" : "row_sum",
              cells, places, corners);
   arrays.write(out);

@@ -231,7 +231,7 @@ class PairFinder::Search {
       for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
       for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
     }
-    const double exchange = finder_.unoccluded_.find({a.side, b.side}, work_).area;
+    const auto [exchange, error, is_reached] = finder_.unoccluded_.findClosely({a.side, b.side}, work_);
     const bool is_small = exchange < least_form_factor_ * std::min(a.area, b.area) && !a.is_part && !b.is_part;
     if (!(exchange > 0) || is_small) {
       found.between.resize(before);
@@ -239,7 +239,7 @@ class PairFinder::Search {
     }
     ++pair_count_;
     const auto count = static_cast<uint32_t>(found.between.size() - before);
-    found.pairs.push_back({p, q, exchange, static_cast<uint32_t>(before), count});
+    found.pairs.push_back({p, q, exchange, error, static_cast<uint32_t>(before), count});
   }
 
   const PairFinder& finder_;

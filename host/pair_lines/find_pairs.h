@@ -23,6 +23,7 @@ struct PatchPair {
   uint32_t a, b;        // patches, a < b
   double exchange = 0;  // A F with nothing in between, unit-ball units squared
   // Its blockers are these elements of PatchPairs::between; where nothing is in the way there are none.
+  double error = 0;  // bound on the error of `exchange`
   uint32_t first_blocker = 0, blocker_count = 0;
 };
 

@@ -67,6 +67,7 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
     LinePair& pair = pairs.back();
     ++groups_.back().count;
     pair.exchange += part.exchange * unit;
+    pair.error += part.error * unit;
     if (part.blocker_count == 0) pair.clear += part.exchange * unit;
     const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
     const double form_factor = part.exchange / std::min(a.area, b.area);

@@ -10,7 +10,6 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kUnoccludedError = 1e-6;  // relative error of unoccluded exchange areas, kUnoccludedRelativeError
 // The variance from N scrambled Sobol' points is this factor times (N / 16)^-1/4 of that from N independent lines. It
 // was measured: docs/accuracy.md.
 constexpr double kEvenness = 1;
@@ -105,12 +104,12 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
 Measured LineSums::exchangeArea(size_t k) const {
   const LinePair& pair = pairs_[k];
   const double most = std::min(pair.exchange, smallerArea(pair)), blockable = std::max(0.0, pair.exchange - pair.clear);
-  if (pair.blocks == 0) return {most, kUnoccludedError * most};
+  if (pair.blocks == 0) return {most, pair.error};
   const Visibility visibility = visibilityOf(sums_[k], pair.blocks);
   const double value = std::min(most, pair.clear + visibility.value * blockable);
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
-  return {value, error + kUnoccludedError * value};
+  return {value, error + pair.error};
 }
 
 bool LineSums::goesWith(const LineSums& others) const {

@@ -20,6 +20,7 @@ struct LinePair {
   uint32_t i, j;           // i < j
   double exchange = 0;     // unoccluded exchange area, input units squared
   double clear = 0;        // the part of `exchange` that nothing can block, input units squared
+  double error = 0;        // bound on the error of `exchange`, input units squared
   uint32_t blocks = 0;     // blocks of 16 lines in each replicate in which the pair has lines; 0 where it needs none
   uint32_t period = 1;     // the pair has lines in one of this many replicates
   bool by_angles = false;  // whether lines are drawn by angles, not by points (draw_lines.h)

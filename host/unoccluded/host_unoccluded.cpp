@@ -91,7 +91,7 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// Returns the inner integral over the edge q, for one point of p.
+// Returns the inner integral over the edge q, for one point of p. It is of 1 + ln r.
 //   In: from: the point less the start of q; direction: unit vector along q
 //   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
@@ -121,6 +121,38 @@ std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_
                                            std::clamp(nearest, 0.0, 1.0), 1};
   std::sort(cuts.begin(), cuts.end());
   return cuts;
+}
+
+// Returns whether two edges are parallel, but for rounding of their corners.
+bool areParallel(const dvec3& p, const dvec3& q) {
+  constexpr double kSine = 8 * kUnit;
+  const dvec3 across = cross(p, q);
+  return dot(across, across) <= kSine * kSine * dot(p, p) * dot(q, q);
+}
+
+// Returns int_p int_q (1 + ln r) ds . dt of parallel edges in closed form: the second difference of K, K'' = 1 + ln r.
+//   K(x) = (x^2 - h^2) / 4 ln(x^2 + h^2) - x^2 / 4 + h x atan(x / h), h being the distance of the two lines
+// As in innerIntegral(), the 1 adds nothing along two closed contours.
+//   Out: error: raised by a bound on rounding, of corners too
+double integrateParallel(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start, const dvec3& q_along,
+                         double& error) {
+  constexpr double kSteps = 8;  // roundings in a term, and in the numbers that it is made of
+  const double length = glm::length(p_along);
+  const dvec3 direction = p_along / length, from = q_start - p_start, across = cross(from, direction);
+  const double first = dot(from, direction), last = first + dot(q_along, direction);
+  const double square = dot(across, across), h = std::sqrt(square);
+  double sum = 0;
+  const auto add = [&](double x, double sign) {
+    const double radius = x * x + square, logarithm = 0.25 * std::log(std::max(radius, kLeast)),
+                 turn = h > 0 ? h * x * std::atan(x / h) : 0;
+    sum += sign * ((x * x - square) * logarithm - 0.25 * x * x + turn);
+    error += kSteps * kUnit * (radius * (std::abs(logarithm) + 1) + std::abs(turn));
+  };
+  add(last, 1);
+  add(first, -1);
+  add(last - length, -1);
+  add(first - length, 1);
+  return sum;
 }
 
 void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
@@ -200,9 +232,18 @@ HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
   return sides;
 }
 
+// Returns a bound on the relative rounding of a far pair: of its sums, and of corners in areas, distance and depths.
+double HostUnoccluded::roundingOf(const Sides& sides) {
+  constexpr double kSteps = 64;
+  const auto meanOf = [](const Depths& depths) { return 0.25 * (depths[0] + depths[1] + depths[2] + depths[3]); };
+  return kUnit * (kSteps + 8 * sides.a.radius / sides.a.area + 8 * sides.b.radius / sides.b.area + 8 / sides.distance +
+                  4 / meanOf(sides.depths_a) + 4 / meanOf(sides.depths_b));
+}
+
 // Returns how a pair is integrated: the number of its product rule, kNearList where it is integrated along its
 // contours, or `unseen`. The kernels would put it into the list of the same number.
-uint32_t HostUnoccluded::classify(const Sides& sides) const {
+//   Out: far_error: a bound on the relative error of a far pair, of the rule and of rounding
+uint32_t HostUnoccluded::classify(const Sides& sides, double& far_error) const {
   const ShapeData &a = sides.a, &b = sides.b;
   bool is_seen = greatestOf(sides.depths_a) > sides.rounding_a && greatestOf(sides.depths_b) > sides.rounding_b;
   if (sides.plane_a >> 1 == sides.plane_b >> 1)
@@ -212,7 +253,11 @@ uint32_t HostUnoccluded::classify(const Sides& sides) const {
   Coordinates over_a = coordinatesOf(a, sides.distance, b.radius, slopeOf(sides.depths_a)),
               over_b = coordinatesOf(b, sides.distance, a.radius, slopeOf(sides.depths_b));
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
-    if (errorOf(bounds_[rule], over_a) + errorOf(bounds_[rule], over_b) <= kFarError) return rule;
+    const float error = errorOf(bounds_[rule], over_a) + errorOf(bounds_[rule], over_b);
+    if (error <= kFarError) {
+      far_error = double(error) + roundingOf(sides);
+      return rule;
+    }
     over_a.power *= over_a.square;
     over_b.power *= over_b.square;
   }
@@ -298,13 +343,16 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
 // Returns the exchange area by integrals along the contours of the two parts in front of each other's planes:
 //   A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
 //   Out: error: a bound on the error; work: raised
-double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const {
+double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lines, double& error,
+                                     UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
+  // In this unit the logarithms of closed forms are small, so that little cancels.
+  const double unit = lines == Lines::by_rules ? 1 : sides.distance + sides.a.radius + sides.b.radius;
   const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {
     std::array<Edge, kMostEdges> edges;
     dvec3 leaves(0), enters(0);
     for (size_t k = 0; k < 4; ++k) {
-      const dvec3 start = shape.corners[k] - origin, end = shape.corners[(k + 1) % 4] - origin;
+      const dvec3 start = (shape.corners[k] - origin) / unit, end = (shape.corners[(k + 1) % 4] - origin) / unit;
       const double depth = depths[k], to = depths[(k + 1) % 4];
       const bool starts = depth >= -rounding, ends = to >= -rounding,
                  crosses = (depth > rounding && !ends) || (!starts && to > rounding);
@@ -325,30 +373,46 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, double& e
   for (const Edge& p : edges_a)
     for (const Edge& q : edges_b) {
       if (dot(p.along, q.along) == 0) continue;
-      sum += integrateLine(p, q, round, error);
+      sum += lines == Lines::parallel_closed && areParallel(p.along, q.along)
+                 ? integrateParallel(p.start, p.along, q.start, q.along, error)
+                 : integrateLine(p, q, round, error);
       ++work.line_integrals;
     }
-  error /= 2 * kPi;
-  return (sides.is_flipped ? -sum : sum) / (2 * kPi);
+  // A corner that moves by its rounding moves the contour of its polygon; no point of it exchanges more than 1.
+  error = unit * unit * error / (2 * kPi) + 8 * kUnit * (sides.a.radius + sides.b.radius);
+  return (sides.is_flipped ? -sum : sum) * unit * unit / (2 * kPi);
 }
 
 HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork& work) const {
+  return find(pair, Lines::by_rules, work);
+}
+
+HostUnoccluded::Found HostUnoccluded::findClosely(const SidePair& pair, UnoccludedWork& work) const {
+  const Found found = find(pair, Lines::parallel_closed, work);
+  // Slivers exchange less than rounding leaves of the closed forms' large terms.
+  if (found.error <= kUnoccludedRelativeError * found.area) return found;
+  return find(pair, Lines::by_rules, work);
+}
+
+HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, Lines lines, UnoccludedWork& work) const {
   const Sides sides = sidesOf(pair);
-  const uint32_t way = classify(sides);
+  double far_error = 0;
+  const uint32_t way = classify(sides, far_error);
   if (way == unseen) {
     ++work.unseen_pairs;
     return {};
   }
   if (way != kNearList) {
     ++work.far_pairs[way];
-    return {integrateFar(sides, way)};
+    const double area = integrateFar(sides, way);
+    return {area, far_error * area};
   }
   ++work.near_pairs;
   const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
   Found found;
   for (size_t round = 0; round < kLineRounds.size(); ++round) {
     work.again_pairs += round > 0;
-    found.area = integrateNear(sides, round, found.error, work);
+    found.area = integrateNear(sides, round, lines, found.error, work);
     found.is_reached = found.error <= std::max(least, kUnoccludedRelativeError * found.area);
     // Polygons of one plane that do not overlap exchange nothing.
     if (sides.areTouching() && found.area <= least) found.area = 0;

@@ -21,13 +21,17 @@ class HostUnoccluded {
   // Does what UnoccludedExchange::compute does, but does not check that the scene has these sides.
   std::vector<UnreachedPair> compute(std::span<const SidePair> pairs, std::span<double> areas);
 
-  // Found is the exchange area of a pair, with an estimate of its error that is 0 for far pairs.
+  // Found is the exchange area of a pair, with a bound on its error: of rules, of rounding, and of rounded corners.
   struct Found {
     double area = 0, error = 0;  // unit-ball units squared
     bool is_reached = true;      // whether the error is within kUnoccludedRelativeError or kUnoccludedAbsoluteError
   };
   // Computes the exchange area of one pair. Several threads may call it at once.    Out: work: raised
   Found find(const SidePair& pair, UnoccludedWork& work) const;
+  // Does the same, but takes closed forms of parallel edges, which the kernels have not. Near pairs whose edges are
+  // parallel or perpendicular to each other have no error but rounding then.
+  //   Error: Found::error; tests/unit/unoccluded_error_test.cpp.
+  Found findClosely(const SidePair& pair, UnoccludedWork& work) const;
 
   uint64_t sideCount() const { return 2 * shapes_.size(); }
   const UnoccludedWork& work() const { return work_; }
@@ -43,9 +47,12 @@ class HostUnoccluded {
   static constexpr uint32_t unseen = unoccluded_data::kPairLists;  // what classify returns where nothing is exchanged
 
   Sides sidesOf(const SidePair& pair) const;
-  uint32_t classify(const Sides& sides) const;
+  enum class Lines { by_rules, parallel_closed };
+  Found find(const SidePair& pair, Lines lines, UnoccludedWork& work) const;
+  uint32_t classify(const Sides& sides, double& far_error) const;
+  static double roundingOf(const Sides& sides);
   double integrateFar(const Sides& sides, uint32_t rule) const;
-  double integrateNear(const Sides& sides, size_t round, double& error, UnoccludedWork& work) const;
+  double integrateNear(const Sides& sides, size_t round, Lines lines, double& error, UnoccludedWork& work) const;
   double integrateLine(Edge p, Edge q, size_t round, double& error) const;
 
   size_t threads_;

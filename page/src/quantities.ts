@@ -18,8 +18,11 @@ export interface Quantity {
 
 const COLUMNS: { name: string; title: string; unit: string; kind: Kind; centre?: number }[] = [
   { name: 'environment', title: 'Share to the environment (sky view factor)', unit: '', kind: 'linear' },
+  { name: 'environment_up', title: 'Share to the environment above the horizon', unit: '', kind: 'linear' },
+  { name: 'environment_down', title: 'Share to the environment below the horizon', unit: '', kind: 'linear' },
   { name: 'leak', title: 'Leak: share that ends on backs', unit: '', kind: 'logarithmic' },
   { name: 'row_sum', title: 'Row sum', unit: '', kind: 'diverging', centre: 1 },
+  { name: 'dropped', title: 'Left out by --drop-below', unit: '', kind: 'logarithmic' },
   { name: 'temperature', title: 'Temperature', unit: 'K', kind: 'linear' },
   { name: 'radiosity', title: 'Radiosity', unit: 'W/m\u00b2', kind: 'linear' },
   { name: 'irradiation', title: 'Irradiation', unit: 'W/m\u00b2', kind: 'linear' },

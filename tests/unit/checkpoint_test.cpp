@@ -132,7 +132,7 @@ TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3, double least = 0.01) {
     const std::vector<LinePair> pairs = {
-        {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, blocks}, {1, ids_.count() + 2, 0.25, 0, 1, 2, true}};
+        {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, 1e-9, blocks}, {1, ids_.count() + 2, 0.25, 0, 0, 1, 2, true}};
     RunSums sums = makeRunSums(scene_, ids_);
     sums.lines.emplace(ids_, By::polygon, pairs, least);
     sums.measure_area = 0.1;

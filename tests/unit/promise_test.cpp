@@ -163,10 +163,15 @@ TEST(Promise, IsNotMadeWhereLinesEndOnBacks) {
 
 // Where rounding is larger than the tolerance there is no promise, and the estimate alone refuses or accepts it.
 TEST(Promise, IsNotMadeBelowRounding) {
-  const Scene scene = buildScene(ts::parallelSquares());
-  const Result result = computeFormFactors(scene, toleranceOf(1e-6));
-  EXPECT_FALSE(result.guarantee);
-  EXPECT_NE(result.plan.no_promise.find("rounding"), std::string::npos) << result.plan.no_promise;
+  const Scene scene = buildScene(ts::cubeInCube(0.5));
+  FormFactorRun run(scene, toleranceOf(1e-6));
+  const PlanSummary& plan = run.makePlan();
+  EXPECT_FALSE(plan.line_guarantee);
+  EXPECT_NE(plan.no_promise.find("rounding"), std::string::npos) << plan.no_promise;
+  // What nothing blocks is exact.
+  const Result exact = computeFormFactors(buildScene(ts::insideOfCube()), toleranceOf(1e-9));
+  ASSERT_TRUE(exact.guarantee);
+  EXPECT_LE(exact.guarantee->bound, 1e-12);
 }
 
 }  // namespace
