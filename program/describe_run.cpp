@@ -146,7 +146,7 @@ std::string describePrior(const PriorSummary& prior) {
   std::string text = fmt::format(
       "unoccluded form factors of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n",
       counted(prior.pairs, "pair"), prior.unoccluded_seconds, prior.never_blocked, prior.pilot_seconds,
-      prior.unreached ? fmt::format("; {} more have replicates alone to tell their errors", prior.unreached) : "");
+      prior.unreached ? fmt::format("; {} more are sampled without one", prior.unreached) : "");
   const uint64_t directed = prior.directed_pairs;
   if (directed)
     text += fmt::format(

@@ -1,4 +1,4 @@
-// An engine whose directions are counted by all ranks. Counts are integers, so that their sums are those of one rank.
+// All ranks count this engine's directions. Counts are integers, so that their sums are those of one rank.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"

@@ -12,15 +12,16 @@ namespace {
 // Along one of N directions a pair exchanges a form factor of 2 / N at most. At half the goal there is room for two
 // such directions before a count is cut to the goal.
 constexpr double kDirectionsOfGoal = 4;
-// A polygon of the mean area gets so many scanlines, or lattice points to a side, along each direction. The error that
-// scanlines add to a row sum is then about what the goal allows it: docs/method.md, mixtures.
+// Along each direction this number of scanlines, or of lattice points to a side, meets a polygon of the mean area. The
+// error that scanlines add to a row sum is then about as large as the goal: docs/method.md, mixtures.
 constexpr double kLinesOfSide = 3.4;
 constexpr double kMostResolution = 1024;
-// Processor seconds. Finding a pair and what is between took 0.4 us in rooms and offices, 3 to 8 us in cities.
+// These costs are in processor seconds. To find a pair and its blockers took 0.4 us in rooms and offices, and 3 to 8 us
+// in cities.
 constexpr double kSecondsOfPair = 1e-6;
 constexpr double kSecondsOfCount = 2e-7;  // of a pair that a common direction counts
-constexpr double kWorth = 3;              // times the seconds of the mixture
-constexpr double kSoon = 0.5;             // seconds that are worth no thought
+constexpr double kWorth = 3;              // lines for all pairs may cost this multiple of the mixture's time
+constexpr double kSoon = 0.5;             // all pairs get lines where they cost less than this
 
 }  // namespace
 

@@ -28,7 +28,7 @@ using Key = std::pair<uint32_t, uint32_t>;
 constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
-// A run with counted pairs ends short of its goal after so many times its planned replicates.
+// If common directions count pairs, a run ends short of its goal after this multiple of its planned replicates.
 constexpr uint64_t kMostMixtureGrowth = 8;
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,

@@ -19,10 +19,10 @@ constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a t
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
 constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
-constexpr double kLarge = 0.3;            // above this unoccluded form factor lines are drawn by angles
-constexpr double kNear = 0.15;            // so are they where the gap is below this many diagonals of the smaller patch
-constexpr double kLeastNear = 1e-3;       // and the form factor is above this
-constexpr double kUneven = 0.2;           // and where lines by points have a smaller effective share
+constexpr double kLarge = 0.3;            // lines are drawn by angles where the unoccluded form factor is above this,
+constexpr double kNear = 0.15;            // or where the gap is below this share of the smaller patch's diagonal,
+constexpr double kLeastNear = 1e-3;       // the form factor is above this,
+constexpr double kUneven = 0.2;           // and fewer than this share of lines by points would count in effect
 constexpr uint32_t kMostPeriod = 8;
 
 bool areNear(const Patch& a, const Patch& b) {

@@ -37,7 +37,7 @@ std::span<T> partOf(std::span<T> all, const std::vector<size_t>& cuts, uint32_t 
 
 }  // namespace
 
-// Returns what a line of a pair costs, about: tests of it against blockers, and itself.
+// Returns about what a line of a pair costs, relative to an unblocked line: 1, and its tests against blockers.
 double PairLines::costOf(const Group& group) const {
   double cost = 0;
   for (uint32_t part = group.first; part < group.first + group.count; ++part)

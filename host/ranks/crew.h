@@ -1,8 +1,8 @@
 // A Crew is all ranks as rank 0 sees them: it hands out work, does its own part, and collects the answers.
 //
 // One call is one exchange: a question to every other rank, and an answer from each. Only rank 0 decides anything, so
-// ranks never have to agree. Where one of them fails or rank 0 is to stop, all stop, and the exchange still ends with
-// an answer from each: the next one begins afresh.
+// ranks never have to agree. If a rank fails, or rank 0 has to stop, all ranks stop. The exchange still ends with an
+// answer from each rank, so that the next exchange begins afresh.
 #pragma once
 #include <cstdint>
 #include <functional>

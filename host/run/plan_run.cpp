@@ -22,7 +22,7 @@ constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is teste
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
-constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // the latter on the engine of a mixture
+constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // tried: of a mixture's engine
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -65,7 +65,8 @@ Plan FormFactorRun::State::makePlanOfRequest() {
   return planned();
 }
 
-// Counts directions that are none of the run's: they say what the plan has to expect.
+// Counts pilot directions, which the run does not use again. The plan learns from them how many pairs a direction
+// meets.
 PairCounts FormFactorRun::State::countDirections(uint32_t count) {
   if (plan->directions == 0) return {};
   return plan->engine->count(
@@ -109,8 +110,8 @@ void FormFactorRun::State::makeLineEngine() {
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
 }
 
-// Decides whether all pairs have lines, or only those that are not small against the goal.
-//   In: counts: along pilot directions    Out: why neither is possible, else empty
+// Decides whether all pairs have lines, or only the pairs that are not small against the goal.
+//   In: counts: along pilot directions    Out: the reason if neither is possible, else empty
 std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (resumed) {
     const double least = resumed->sums.lines->leastFormFactor();

@@ -54,7 +54,7 @@ void answerAll(Ranks& ranks, const std::function<std::string(RankWork work, Mess
   }
 }
 
-// Serving is all that a rank above 0 keeps from one question to the next.
+// A Serving holds everything that a rank above 0 keeps from one question to the next.
 class Serving {
  public:
   Serving(Ranks& ranks, const Scene& scene, const Request& request)

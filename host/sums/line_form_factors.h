@@ -6,8 +6,8 @@
 
 namespace viewpeel {
 
-// A counted form factor is cut to so many times the least form factor with lines, which is more than it can be. Few
-// lines stand for it and for others like it that none met: where it were cut to less, row sums would be too small.
+// A counted form factor is cut to this multiple of the least form factor with lines. A count stands for its pair, and
+// for similar pairs that no line met. With a smaller multiple row sums would be too small.
 constexpr double kMostOfCounted = 10;
 
 // Returns the form factors between all rows, and from each row to environment and leak.

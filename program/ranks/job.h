@@ -7,7 +7,7 @@
 
 namespace viewpeel::program {
 
-// What a rank above 0 does for a command: it reads what it needs, and serves rank 0.
+// This function does a command's work on a rank above 0: it reads the input and serves rank 0.
 using Serve = std::function<void(Ranks& ranks)>;
 
 // A Job is the program's part in an MPI job. Without one the program is alone, and MPI is not started.

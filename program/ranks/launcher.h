@@ -1,4 +1,4 @@
-// What a launcher of MPI jobs tells a process by its environment.
+// These functions read what a launcher of MPI jobs tells a process by environment variables.
 #pragma once
 #include <cstdlib>
 #include <string>

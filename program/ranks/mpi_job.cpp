@@ -1,4 +1,4 @@
-// The only file that knows MPI.
+// This file alone calls MPI.
 #include <mpi.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// The program without MPI: it refuses to be started once for each rank, for each would write the same files.
+// A program without MPI refuses to be started once for each rank, because every process would write the same files.
 #include <fmt/format.h>
 
 #include "program/ranks/job.h"

@@ -31,7 +31,7 @@ EstimateOptions optionsOf(double tolerance, By by = By::polygon) {
   return options;
 }
 
-// Few pairs have lines at once, many only where directions would cost as much.
+// All pairs get lines where there are few pairs. Where there are many, they do only if directions would cost as much.
 TEST(LineMixture, IsTakenWherePairsAreMany) {
   const LineMixture mixture = mixtureFor(optionsOf(kGoal), 1e-4);
   EXPECT_EQ(mixture.least_form_factor, kGoal / kMostOfCounted);
@@ -57,7 +57,7 @@ TEST(LineMixture, FewLinesThatLeaveAClosedSceneGraze) {
   EXPECT_EQ(shareOutside({}), 0);
 }
 
-// A GrazingEngine sees one line more of a face than there is: it leaves the scene.
+// A GrazingEngine adds one line to the counts of a face. The line leaves the scene, as one that grazes an edge may.
 class GrazingEngine : public SharedEngine {
  public:
   GrazingEngine(Engine& engine, uint32_t id) : SharedEngine(engine), id_(id) {}
@@ -141,8 +141,8 @@ class MixedRoom : public testing::Test {
   static inline std::unique_ptr<Run> mixed_;
 };
 
-// No entry errs by more than the goal. Of the entries one in 1,000 may err by more than five stated errors, for few
-// lines met each. Where pairs as large as the goal are counted, too, this test finds an error above it.
+// No entry errs by more than the goal. One entry in 1,000 may err by more than five stated errors, because few lines
+// met each entry. If common directions also count pairs as large as the goal, the test finds an error above the goal.
 TEST_F(MixedRoom, ErrsByTheGoalAtMost) {
   ASSERT_EQ(truth_->plan.pair_lines->least_form_factor, 0);
   EXPECT_TRUE(mixed_->is_reached);
@@ -179,9 +179,9 @@ TEST_F(MixedRoom, RowsAddUpByChance) {
   EXPECT_LT(mean_of_lines, 0.9);
 }
 
-// The room is closed, and a line grazes an edge in each replicate. The row's environment is what was counted, within
-// the goal of 0. It would be wrong as 1 less the row sum, whose error is that of all counted pairs; and no directions
-// would bring that to the goal.
+// The room is closed, and a line grazes an edge in each replicate. The row's environment is what was counted, and
+// within the goal of 0. As 1 less the row sum it would have the error of all counted pairs, and no number of directions
+// would bring this error to the goal.
 TEST_F(MixedRoom, EndsWhereLinesGraze) {
   const FormFactors found = mixed_->sums.formFactors();
   const auto& rows = found.rowSums();
@@ -264,7 +264,7 @@ TEST(MixtureRuns, GoOnFromACheckpoint) {
         << k;
 }
 
-// In an open scene rows see the environment, which few directions count too roughly.
+// In an open scene rows see the environment. Few directions would count it too roughly.
 TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
   InputScene room = bench::roomWithBoxes(4);
   std::erase_if(room.faces, [](const InputFace& face) {
