@@ -17,6 +17,7 @@
 #include "program/progress_line.h"
 #include "program/request_options.h"
 #include "program/result_json.h"
+#include "program/solve_command.h"
 #include "program/stored_run.h"
 #include "program/summary.h"
 #include "program/warnings.h"
@@ -26,23 +27,28 @@
 #include <viewpeel/write.h>
 
 namespace viewpeel::program {
+
+std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
+  using Of = HeatTolerance::Of;
+  const char* unit = tolerance.of == Of::temperature ? " K" : tolerance.of == Of::heat_flux ? " W/m2" : " of all heat";
+  return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
+}
+
+std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution) {
+  std::string text = fmt::format("materials  {}: {} for {}", table.file, counted(table.lines.size(), "line"),
+                                 counted(solution.rows.size(), "row"));
+  if (table.environment_temperature) text += fmt::format(", environment {} K", *table.environment_temperature);
+  if (const auto& parts = table.sky_and_ground)
+    text += fmt::format(", environment {} K above and {} K below the horizon", parts->up, parts->down);
+  return text + "\n";
+}
+
+void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution) {
+  if ((table.environment_temperature || table.sky_and_ground) && !solution.is_open)
+    warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
+}
+
 namespace {
-
-struct SolveCommand {
-  std::string scene, groups, materials;
-  std::vector<std::string> outputs, stored;
-  std::vector<PlannedFile> files;  // all outputs, and whether each existed before the run
-  Request request;
-  std::optional<double> form_factor_tolerance, epsilon;
-  double delta = EpsilonDelta{}.delta;
-  std::optional<HeatTolerance> tolerance;
-  std::optional<ExchangeKind> exchange;
-  double drop_below = 0;
-  std::optional<glm::dvec3> up;
-  bool quiet = false, json = false;
-
-  bool talks() const { return !quiet && !json; }
-};
 
 // Reads "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
 HeatTolerance toleranceOf(const std::string& text) {
@@ -57,12 +63,6 @@ HeatTolerance toleranceOf(const std::string& text) {
   if (is_number && unit.empty()) return {value, Of::relative};
   throw CLI::ValidationError("--tolerance",
                              fmt::format("'{}' is not a number above 0 with a unit: 0.1K, 2W/m2, 1% or 0.01", text));
-}
-
-std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
-  using Of = HeatTolerance::Of;
-  const char* unit = tolerance.of == Of::temperature ? " K" : tolerance.of == Of::heat_flux ? " W/m2" : " of all heat";
-  return fmt::format("{:.2g}{}, {:.2g} asked for", reached, unit, tolerance.standard_error);
 }
 
 const std::map<std::string, ExchangeKind> kExchangeKinds = {{"gebhart", ExchangeKind::gebhart},
@@ -84,21 +84,11 @@ void writeExchanges(const SolveCommand& command, const FormFactors& form_factors
   fmt::print("\n");
 }
 
-std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution) {
-  std::string text = fmt::format("materials  {}: {} for {}", table.file, counted(table.lines.size(), "line"),
-                                 counted(solution.rows.size(), "row"));
-  if (table.environment_temperature) text += fmt::format(", environment {} K", *table.environment_temperature);
-  if (const auto& parts = table.sky_and_ground)
-    text += fmt::format(", environment {} K above and {} K below the horizon", parts->up, parts->down);
-  return text + "\n";
-}
-
 // Writes answers and the form factors that they were computed from.
 //   In: content: with the solution in content.heat
 void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
               const OutputContent& content) {
-  if ((table.environment_temperature || table.sky_and_ground) && !solution.is_open)
-    warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
+  warnOfEnvironment(table, solution);
   writeHeatOutputs(content, command.request.by, command.outputs);
   if (!command.talks()) return;
   fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
@@ -177,6 +167,7 @@ int solveStored(const SolveCommand& command) {
 
 int solveFile(const SolveCommand& command) {
   const MaterialTable table = readTable(command);
+  checkMatrixFree(command, table);
   if (command.epsilon && !table.band_limits_um.empty())
     throw Error(ErrorCode::bad_usage,
                 fmt::format("--epsilon: there are no bounds with bands of wavelengths, which {} has; leave it out",
@@ -200,6 +191,7 @@ int solveFile(const SolveCommand& command) {
   const Scene scene = loadSceneOf(command.scene, request.scene_options, command.groups);
   if (command.talks()) fmt::print("{}", describeScene(scene));
   std::fflush(stdout);
+  if (isMatrixFree(command, table, scene)) return solveWithoutMatrix(command, table, scene);
   ProgressLine progress(request, !command.quiet);
   const SceneHeat found = solveScene(scene, table, request, command.tolerance, {.on_progress = progress.listener()});
   progress.clear();
@@ -288,6 +280,12 @@ void addComputing(CLI::App* command, SolveCommand& options) {
                           ->type_name("K")
                           ->check(isWholeNumber)
                           ->capture_default_str());
+  addChoice(
+      command, "--matrix-free", options.matrix_free,
+      {{"auto", MatrixFree::automatic}, {"on", MatrixFree::on}, {"off", MatrixFree::off}},
+      "Keep no form factors, and peel directions again in each step of the solution: slower, and for scenes of any "
+      "size; auto: where form factors could take more than 4 GiB");
+  computing.push_back(command->get_option("--matrix-free"));
   startGroup(command, kWhat);
   addSceneOptions(command, options.request.scene_options);
   addGroupsOption(command, options.groups);

@@ -25,10 +25,12 @@ inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
 // Numbers for directions that divide the environment into parts.
 inline constexpr ReplicateNumbers kEnvironmentReplicates{uint64_t(6) << 40, uint64_t(7) << 40};
+// Directions of products with vectors, which stand in for a matrix.
+inline constexpr ReplicateNumbers kProductReplicates{uint64_t(7) << 40, uint64_t(8) << 40};
 
 // This list has all ranges in order. A test checks that none overlap.
-inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates,      kPlanReplicates,
-                                                 kPlanLatticeReplicates, kPriorReplicates,      kDirectedReplicates,
-                                                 kLineReplicates,        kEnvironmentReplicates};
+inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates,       kPlanReplicates,
+                                                 kPlanLatticeReplicates, kPriorReplicates,       kDirectedReplicates,
+                                                 kLineReplicates,        kEnvironmentReplicates, kProductReplicates};
 
 }  // namespace viewpeel

@@ -3,11 +3,13 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 #include <fmt/format.h>
 
 #include "engines/lattice.h"
+#include "engines/pair_table.h"
 #include "engines/sweep.h"
 #include "engines/work.h"
 #include <viewpeel/error.h>
@@ -150,6 +152,7 @@ constexpr size_t kScanlinePolygons = 2400;
 constexpr size_t kScanlinePolygonsWithPrior = 10'000;
 // Smallest area of a row, in unit-ball units squared, that scanlines in windows hit often enough (estimator/plan.cpp).
 constexpr double kScanlineArea = 1e-10;
+constexpr int kLeastResolution = 64;
 
 }  // namespace
 
@@ -159,6 +162,15 @@ Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior) {
                  least_area > kScanlineArea
              ? Sampling::scanline
              : Sampling::lattice;
+}
+
+int chooseResolution(const Scene& scene, double spacings_per_side, int finest) {
+  std::vector<double> areas;
+  areas.reserve(scene.polygons.size());
+  for (const Polygon& polygon : scene.polygons) areas.push_back(polygon.area);
+  const auto middle = areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2);
+  std::nth_element(areas.begin(), middle, areas.end());
+  return static_cast<int>(std::clamp<double>(2 * spacings_per_side / std::sqrt(*middle), kLeastResolution, finest));
 }
 
 std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {

@@ -64,6 +64,9 @@ class SharedPairs {
 // A PairTable takes the counts of one thread. It has dense counters of its own, or passes counts on to SharedPairs.
 class PairTable {
  public:
+  // Where the environment is split, lines that leave the scene against the direction are counted here.
+  static constexpr uint32_t kBehind = kLeak;
+
   // Makes a table of dense counters.
   PairTable(uint32_t id_count, bool counts_blocked);
   // Makes a table that passes its counts on.    In: shared: the caller keeps it alive

@@ -7,6 +7,8 @@
 #include <cmath>
 
 #include "engines/lattice.h"
+#include "engines/pair_products.h"
+#include "engines/pair_table.h"
 #include "engines/shared.h"
 #include <viewpeel/error.h>
 #include "facing.h"
@@ -53,7 +55,8 @@ uint64_t Sweep::memoryBytes() const {
   return bytes;
 }
 
-void Sweep::count(const Direction& direction, PairTable& table) {
+template <class Table>
+void Sweep::count(const Direction& direction, Table& table) {
   const double start = measures_ ? secondsNow() : 0;
   origin_ = latticeOrigin(direction, resolution_, window_);
   outlines_.project(direction, origin_, resolution_ * 0.5);
@@ -216,8 +219,8 @@ void Sweep::sortByLow(std::span<Span> spans) {
 // Counts one row. It goes from one end of a span to the next; between two ends the order of the polygons is constant,
 // but for rounding. A sample is a lattice point or, with scanlines, the interval between two ends within a cell of
 // kScanlineCell lattice columns. The order of layers on a sample is that in its middle.
-template <bool kAllCount, bool kBlocked>
-void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table) {
+template <bool kAllCount, bool kBlocked, class Table>
+void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, Table& table) {
   sortByLow(spans);
   if (layers_.size() < spans.size()) layers_.resize(spans.size());
   open_.clear();
@@ -288,12 +291,13 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable&
   work_.fragments += layers;
 }
 
-template <bool kAllCount, bool kBlocked>
-void Sweep::addGaps(uint64_t weight, PairTable& table) {
+template <bool kAllCount, bool kBlocked, class Table>
+void Sweep::addGaps(uint64_t weight, Table& table) {
   const auto areRequested = [](const Layer& a, const Layer& b) {
     return kAllCount || ((a.roles & kEmits) && (b.roles & kReceives)) || ((b.roles & kEmits) && (a.roles & kReceives));
   };
   const auto emits = [](const Layer& layer) { return kAllCount || (layer.roles & kEmits); };
+  const bool counts_leak = !splits_environment_ || Table::kBehind != kLeak;
   const Layer* lower = nullptr;
   uint64_t gaps = 0;
   for (size_t k = 0; k <= open_.size(); ++k) {
@@ -306,9 +310,11 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
     if (lower_sees && upper_sees) {
       if (areRequested(*lower, *upper)) add(std::min(lower->id, upper->id), std::max(lower->id, upper->id));
     } else if (scene_.counts_environment && lower_sees && emits(*lower)) {
-      if (!upper || !splits_environment_) add(lower->id, upper ? kLeak : kEnvironment);
+      if (!upper) add(lower->id, kEnvironment);
+      else if (counts_leak) add(lower->id, kLeak);
     } else if (scene_.counts_environment && upper_sees && emits(*upper)) {
-      if (!lower || !splits_environment_) add(upper->id, lower || splits_environment_ ? kLeak : kEnvironment);
+      if (!lower) add(upper->id, splits_environment_ ? Table::kBehind : kEnvironment);
+      else if (counts_leak) add(upper->id, kLeak);
     }
     if (kBlocked && lower_sees)
       for (size_t m = k + 1; m < open_.size(); ++m) {
@@ -320,5 +326,8 @@ void Sweep::addGaps(uint64_t weight, PairTable& table) {
   }
   work_.gaps += gaps;
 }
+
+template void Sweep::count(const Direction& direction, PairTable& table);
+template void Sweep::count(const Direction& direction, PairProducts& table);
 
 }  // namespace viewpeel

@@ -11,7 +11,6 @@
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
 #include "engines/outlines.h"
-#include "engines/pair_table.h"
 #include "engines/work.h"
 
 namespace viewpeel {
@@ -25,7 +24,9 @@ class Sweep {
 
   // Adds to the table the gaps between consecutive layers on all samples of a direction, and blocked pairs where the
   // options ask for them.
-  void count(const Direction& direction, PairTable& table);
+  //   In: table: a PairTable, or PairProducts, which multiply where a PairTable counts
+  template <class Table>
+  void count(const Direction& direction, Table& table);
 
   // Returns the work done so far, without Work::directions and memory_bytes.
   const Work& work() const { return work_; }
@@ -75,10 +76,10 @@ class Sweep {
   void sortByLow(std::span<Span> spans);
   Layer enter(const Span& span, int row) const;
   uint64_t keyAt(const Layer& layer, int32_t column) const;
-  template <bool kAllCount, bool kBlocked>
-  void sweepRow(int row, std::span<Span> spans, uint64_t weight, PairTable& table);
-  template <bool kAllCount, bool kBlocked>
-  void addGaps(uint64_t weight, PairTable& table);
+  template <bool kAllCount, bool kBlocked, class Table>
+  void sweepRow(int row, std::span<Span> spans, uint64_t weight, Table& table);
+  template <bool kAllCount, bool kBlocked, class Table>
+  void addGaps(uint64_t weight, Table& table);
 
   const SweepScene& scene_;
   const int resolution_;

@@ -27,16 +27,7 @@ constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 64;
 constexpr double kShareOfTime = 0.9;
 // A polygon of the median area has two spacings to its side.
 constexpr double kSpacingsPerSide = 2;
-constexpr double kLeastResolution = 64, kFinestResolution = 1024;
-
-int chooseResolution(const Scene& scene) {
-  std::vector<double> areas;
-  areas.reserve(scene.polygons.size());
-  for (const Polygon& polygon : scene.polygons) areas.push_back(polygon.area);
-  const auto middle = areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2);
-  std::nth_element(areas.begin(), middle, areas.end());
-  return static_cast<int>(std::clamp(2 * kSpacingsPerSide / std::sqrt(*middle), kLeastResolution, kFinestResolution));
-}
+constexpr int kFinestResolution = 1024;
 
 // Counts hold the counts of one replicate, by row.
 struct Counts {
@@ -52,7 +43,7 @@ class Measurement {
     if (!(request.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
     ids_.roles.assign(scene.polygons.size(), kEmits);  // no polygon receives, so no pair counts
     LatticeOptions options;
-    options.resolution = chooseResolution(scene);
+    options.resolution = chooseResolution(scene, kSpacingsPerSide, kFinestResolution);
     options.sampling = chooseSampling(scene, ids_, false);
     options.split_environment = true;
     options.thread_count = request.threads;

@@ -146,6 +146,7 @@ HeatSolution solveBands(const FormFactors& form_factors, const Enclosure& enclos
     throw Error(ErrorCode::bad_usage, "there are no bounds with bands of wavelengths; leave out --epsilon");
   const ClosedExchange closed = closeRows(form_factors);
   requireMaterials(closed, enclosure, form_factors.ids());
+  requireReferences(closed, enclosure, form_factors.ids());
   BandSystem system(closed, enclosure);
   system.solve(form_factors.ids().names);
   return BandAnswers(form_factors, enclosure, closed, system).solution();

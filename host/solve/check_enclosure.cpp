@@ -1,5 +1,6 @@
 #include "solve/check_enclosure.h"
 
+#include <algorithm>
 #include <numeric>
 
 #include <fmt/format.h>
@@ -8,29 +9,6 @@
 
 namespace viewpeel {
 namespace {
-
-// Refuses rows that exchange heat, directly or through others, with nothing of a given temperature.
-void refuseWithoutReference(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
-  std::vector<uint32_t> group(ids.count());
-  std::iota(group.begin(), group.end(), 0u);
-  const auto find = [&](uint32_t k) {
-    while (group[k] != k) k = group[k] = group[group[k]];
-    return k;
-  };
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    for (decltype(closed.pairs)::InnerIterator at(closed.pairs, i); at; ++at)
-      if (at.value() > 0) group[find(static_cast<uint32_t>(at.col()))] = find(i);
-  std::vector<bool> refers(ids.count());
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    if (enclosure.materials[i].temperature || closed.environment[i] > 0) refers[find(i)] = true;
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    if (!refers[find(i)])
-      throw Error(
-          ErrorCode::bad_input,
-          fmt::format("the temperature of '{}' is open: it and all rows that it exchanges heat with have heat fluxes "
-                      "only; give one of them a temperature",
-                      ids.names[i]));
-}
 
 // Refuses emissivities that do not suit the bands: a grey row has one emissivity, a row with bands one for each.
 void requireEmissivities(const Material& material, size_t band_limits, const std::string& name) {
@@ -64,7 +42,39 @@ void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, 
         fmt::format("{:.3g} % of all emitted radiation leaves the scene; give its surroundings a temperature by "
                     "a line 'environment' in the materials (0 for empty space), or close the scene",
                     100 * closed.environment_share));
-  refuseWithoutReference(closed, enclosure, ids);
+}
+
+void refuseWithoutReference(const std::string& name) {
+  throw Error(ErrorCode::bad_input,
+              fmt::format("the temperature of '{}' is open: it and all rows that it exchanges heat with have heat "
+                          "fluxes only; give one of them a temperature",
+                          name));
+}
+
+void requireReferences(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids) {
+  std::vector<uint32_t> group(ids.count());
+  std::iota(group.begin(), group.end(), 0u);
+  const auto find = [&](uint32_t k) {
+    while (group[k] != k) k = group[k] = group[group[k]];
+    return k;
+  };
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    for (decltype(closed.pairs)::InnerIterator at(closed.pairs, i); at; ++at)
+      if (at.value() > 0) group[find(static_cast<uint32_t>(at.col()))] = find(i);
+  std::vector<bool> refers(ids.count());
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (enclosure.materials[i].temperature || closed.environment[i] > 0) refers[find(i)] = true;
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    if (!refers[find(i)]) refuseWithoutReference(ids.names[i]);
+}
+
+void requireTolerance(const HeatTolerance& tolerance, const Enclosure& enclosure) {
+  if (!(tolerance.standard_error > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
+  if (tolerance.of == HeatTolerance::Of::temperature &&
+      std::ranges::all_of(enclosure.materials,
+                          [](const Material& material) { return material.temperature.has_value(); }))
+    throw Error(ErrorCode::bad_usage,
+                "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
 }
 
 }  // namespace viewpeel

@@ -5,9 +5,17 @@
 
 namespace viewpeel {
 
-// Refuses materials that do not match the rows, an open scene without an environment, and rows that exchange with
-// nothing of a given temperature.
-//   Throws: Error bad_usage or bad_input, naming row and remedy.    Cost: O(pairs).
+// Refuses materials that do not match the rows, and an open scene without an environment.
+//   In: closed: its pairs do not count
+//   Throws: Error bad_usage or bad_input, naming row and remedy.    Cost: O(rows).
 void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids);
+
+// Refuses rows that exchange heat, directly or through others, with nothing of a given temperature.
+//   Throws: Error bad_input, naming row and remedy.    Cost: O(pairs).
+void requireReferences(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids);
+[[noreturn]] void refuseWithoutReference(const std::string& name);
+
+// Refuses a tolerance that is not above 0, and one of temperatures where all are given.    Throws: Error bad_usage.
+void requireTolerance(const HeatTolerance& tolerance, const Enclosure& enclosure);
 
 }  // namespace viewpeel

@@ -1,5 +1,6 @@
 // closeRows() makes exchange areas whose rows add up to the rows' areas: docs/solve.md, eq. (3).
 #pragma once
+#include <string>
 #include <vector>
 
 #include <Eigen/SparseCore>
@@ -26,5 +27,8 @@ struct ClosedExchange {
 //   Throws: Error bad_usage for some rows only; bad_input where more than kGrazingShare of all radiation ends on backs.
 //   Cost: O(entries); memory 24 bytes an entry.
 ClosedExchange closeRows(const FormFactors& form_factors);
+
+// Refuses a scene with leak.    In: share: of all emitted radiation; row: name of the row with the largest part
+[[noreturn]] void refuseLeak(double share, const std::string& row);
 
 }  // namespace viewpeel

@@ -10,11 +10,28 @@ namespace viewpeel {
 constexpr uint32_t kMostExactRows = 1000;
 constexpr uint32_t kProbes = 128;
 
+// CarriedErrors have the standard errors of answers, which are sums over irradiations.
+class CarriedErrors {
+ public:
+  struct Term {
+    uint32_t row;
+    double factor;
+  };
+  virtual ~CarriedErrors() = default;
+  // Returns the standard error of sum_k factor_k H_k.
+  virtual double standardError(const std::vector<Term>& terms) const = 0;
+  // A Part of the environment is the whole, or its part above or below the horizon.
+  enum class Part { all, up, down };
+  // Returns the standard error of the heat flow to a part of the environment, sum_i x_ip (B_i - B_p).
+  //   In: reflectivity: by row
+  virtual double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const = 0;
+};
+
 // HeatErrors computes standard errors of sums sum_k c_k H_k of irradiations.
 //   Up to kMostExactRows rows they follow from the inverse matrix. With more rows there are kProbes sets of random
 //   signs, a sign for each pair's error. The mean square over these probes is the variance, to 1/16 of the standard
 //   error.
-class HeatErrors {
+class HeatErrors : public CarriedErrors {
  public:
   //   In: measured: entries with standard errors, taken as independent; closed: made of them; irradiation: with the
   //    solution's reflectivities; radiosity: by row; outside; both less the solution's shift. References to closed,
@@ -23,20 +40,11 @@ class HeatErrors {
   HeatErrors(const FormFactors& measured, const ClosedExchange& closed, const Irradiation& irradiation,
              const Eigen::VectorXd& radiosity, const Outside& outside, uint32_t most_exact_rows = kMostExactRows);
 
-  struct Term {
-    uint32_t row;
-    double factor;
-  };
-  // Returns the standard error of sum_k factor_k H_k.
   //   Error: of first order in the errors of form factors; with probes 1/16. Tests: tests/unit/solve_errors_test.cpp,
   //    against the spread of perturbed solutions.
   //   Cost: O(pairs + rows x terms), or O(kProbes x terms).
-  double standardError(const std::vector<Term>& terms) const;
-  // A Part of the environment is the whole, or its part above or below the horizon.
-  enum class Part { all, up, down };
-  // Returns the standard error of the heat flow to a part of the environment, sum_i x_ip (B_i - B_p).
-  //   In: reflectivity: by row
-  double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const;
+  double standardError(const std::vector<Term>& terms) const override;
+  double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const override;
 
  private:
   // A Source is one exchange area's error. A standard error changes A_i H_i by of_i, and A_j H_j by of_j.

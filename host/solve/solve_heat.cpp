@@ -1,15 +1,11 @@
 // solveHeat() solves the grey, diffuse enclosure: docs/solve.md.
 #include <viewpeel/solve.h>
 
-#include <cmath>
-
-#include <fmt/format.h>
-
 #include "solve/banded_heat.h"
 #include "solve/check_enclosure.h"
+#include "solve/heat_answers.h"
 #include "solve/heat_bounds.h"
 #include "solve/heat_errors.h"
-#include "solve/sum_rows.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel {
@@ -17,206 +13,34 @@ namespace {
 
 using Eigen::VectorXd;
 
-double emissivePower(double temperature) { return kStefanBoltzmann * std::pow(temperature, 4); }
-double temperatureOf(double emissive_power) { return std::pow(emissive_power / kStefanBoltzmann, 0.25); }
-
-// Returns a temperature with its standard error: E = s T^4, so dT = dE / (4 s T^3).
-Measured temperatureOf(const Measured& emissive_power) {
-  const double temperature = temperatureOf(emissive_power.value);
-  const double slope = 4 * kStefanBoltzmann * std::pow(temperature, 3);
-  return {temperature, emissive_power.standard_error == 0 ? 0 : emissive_power.standard_error / slope};
+HeatSolution solveGrey(const FormFactors& form_factors, const Enclosure& enclosure) {
+  const Ids& ids = form_factors.ids();
+  const ClosedExchange closed = closeRows(form_factors);
+  requireMaterials(closed, enclosure, ids);
+  requireReferences(closed, enclosure, ids);
+  HeatState state(ids, enclosure, closed.is_open);
+  const Outside outside =
+      makeOutside(closed, enclosure, [&](double temperature) { return emissivePower(temperature) - state.shift; });
+  if (form_factors.hasIntervals() && !outside.up_errors.empty())
+    throw Error(ErrorCode::bad_usage,
+                "bounds of form factors do not tell sky from ground; leave out --epsilon, or give one "
+                "temperature to 'environment'");
+  const Irradiation irradiation(closed, state.reflectivity);
+  state.take(irradiation.solve(closed.pairs * state.source + closed.environment.cwiseProduct(outside.power)));
+  const HeatErrors errors(form_factors, closed, irradiation, state.radiosity, outside);
+  VectorXd bounds;
+  // Bounds on answers need an interval for every pair: pairs without an entry must be 0.
+  if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
+    bounds = boundIrradiation(form_factors, closed, irradiation, state.radiosity);
+  HeatSolution found = answerHeat(state, closed, outside, errors, bounds);
+  found.steps = irradiation.steps();
+  return found;
 }
-
-// Returns the emissive power that is subtracted from all others: of the environment, of the sky, or of the first given
-// temperature. Environment or sky then drop out of the equations.
-double chooseShift(const ClosedExchange& closed, const Enclosure& enclosure) {
-  if (closed.is_open && enclosure.sky_and_ground) return emissivePower(enclosure.sky_and_ground->up);
-  if (closed.is_open && enclosure.environment_temperature) return emissivePower(*enclosure.environment_temperature);
-  for (const Material& material : enclosure.materials)
-    if (material.temperature) return emissivePower(*material.temperature);
-  return 0;
-}
-
-// A Solver subtracts one emissive power from radiosities and irradiations, so that rows of nearly equal temperatures
-// lose no digits.
-class Solver {
- public:
-  Solver(const FormFactors& form_factors, const Enclosure& enclosure)
-      : ids_(form_factors.ids()),
-        enclosure_(enclosure),
-        closed_(closeRows(form_factors)),
-        shift_(chooseShift(closed_, enclosure)),
-        source_(ids_.count()),
-        reflectivity_(ids_.count()) {
-    requireMaterials(closed_, enclosure, ids_);
-    for (uint32_t i = 0; i < ids_.count(); ++i) {
-      const Material& material = enclosure_.materials[i];
-      source_[i] = material.temperature ? material.emissivity * (emissivePower(*material.temperature) - shift_)
-                                        : *material.heat_flux;
-      reflectivity_[i] = material.temperature ? 1 - material.emissivity : 1;
-    }
-    outside_ = makeOutside(closed_, enclosure, [&](double temperature) { return emissivePower(temperature) - shift_; });
-    if (form_factors.hasIntervals() && !outside_.up_errors.empty())
-      throw Error(ErrorCode::bad_usage,
-                  "bounds of form factors do not tell sky from ground; leave out --epsilon, or give one "
-                  "temperature to 'environment'");
-    irradiation_.emplace(closed_, reflectivity_);
-    h_ = irradiation_->solve(closed_.pairs * source_ + closed_.environment.cwiseProduct(outside_.power));
-    b_ = source_ + reflectivity_.cwiseProduct(h_);
-    errors_.emplace(form_factors, closed_, *irradiation_, b_, outside_);
-    // Bounds on answers need an interval for every pair: pairs without an entry must be 0.
-    if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
-      bounds_ = boundIrradiation(form_factors, closed_, *irradiation_, b_);
-  }
-
-  HeatSolution solution() const {
-    HeatSolution found;
-    found.is_open = closed_.is_open;
-    found.largest_lack = closed_.largest_lack;
-    found.lacking_row = ids_.count() ? ids_.names[closed_.lacking_row] : "";
-    for (uint32_t i = 0; i < ids_.count(); ++i) found.rows.push_back(rowOf(i));
-    sumSurfaces(found);
-    found.to_environment = {closed_.environment.dot(b_ - outside_.power), errors_->environmentError(reflectivity_)};
-    if (closed_.is_open && enclosure_.sky_and_ground) {
-      using Part = HeatErrors::Part;
-      const VectorXd to_up = closed_.environment.cwiseProduct(outside_.up_share);
-      const VectorXd to_down = closed_.environment - to_up, ones = VectorXd::Ones(b_.size());
-      found.to_up = {to_up.dot(b_ - outside_.up_power * ones), errors_->environmentError(reflectivity_, Part::up)};
-      found.to_down = {to_down.dot(b_ - outside_.down_power * ones),
-                       errors_->environmentError(reflectivity_, Part::down)};
-    }
-    balance(found);
-    found.steps = irradiation_->steps();
-    return found;
-  }
-
- private:
-  // Returns the emissive power of a row less the shift.
-  double powerOf(uint32_t i) const {
-    const Material& material = enclosure_.materials[i];
-    return material.temperature ? emissivePower(*material.temperature) - shift_
-                                : h_[i] + *material.heat_flux / material.emissivity;
-  }
-  double fluxOf(uint32_t i) const {
-    const Material& material = enclosure_.materials[i];
-    return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
-  }
-  // Returns the change of the heat flux with the irradiation, for a given temperature or heat flux.
-  double fluxSlope(uint32_t i) const {
-    return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
-  }
-  double powerSlope(uint32_t i) const { return enclosure_.materials[i].temperature ? 0 : 1; }
-
-  Measured temperatureAt(double power, double error, const std::string& name) const {
-    const double emissive_power = power + shift_;
-    if (!(emissive_power >= 0) && emissive_power > -1e-9 * (std::abs(power) + shift_)) return {0, 0};  // by rounding
-    if (!(emissive_power >= 0))
-      throw Error(ErrorCode::bad_input,
-                  fmt::format("'{}' would have to emit {:.4g} W/m2, less than nothing: its heat flux takes more than "
-                              "arrives; lower it",
-                              name, emissive_power));
-    return temperatureOf(Measured{emissive_power, error});
-  }
-
-  HeatRow rowOf(uint32_t i) const {
-    const Material& material = enclosure_.materials[i];
-    const double error = errors_->standardError({{i, 1}}), area = ids_.areas[i];
-    HeatRow row{ids_.names[i], area, material.emissivity};
-    row.temperature =
-        material.temperature ? Measured{*material.temperature, 0} : temperatureAt(powerOf(i), error, ids_.names[i]);
-    row.radiosity = {b_[i] + shift_, reflectivity_[i] * error};
-    row.irradiation = {h_[i] + shift_, error};
-    row.heat_flux = {fluxOf(i), std::abs(fluxSlope(i)) * error};
-    row.heat_flow = {area * row.heat_flux.value, area * row.heat_flux.standard_error};
-    if (bounds_.size() > 0) {
-      const double bound = bounds_[i], of_flux = std::abs(fluxSlope(i)) * bound;
-      row.bounds = {temperatureBound(row.temperature.value, powerSlope(i) * bound), reflectivity_[i] * bound, bound,
-                    of_flux, area * of_flux};
-    }
-    return row;
-  }
-
-  // Returns the largest error of a temperature whose emissive power is off by at most `bound`.
-  static double temperatureBound(double temperature, double bound) {
-    if (!(bound > 0)) return 0;
-    const double power = emissivePower(temperature);
-    return std::max(temperatureOf(power + bound) - temperature,
-                    temperature - temperatureOf(std::max(0.0, power - bound)));
-  }
-
-  HeatRow sumRows(const std::string& name, const std::vector<uint32_t>& rows) const {
-    HeatRow sum{name, 0, 0};
-    double emitting = 0;
-    for (const uint32_t i : rows) {
-      sum.area += ids_.areas[i];
-      emitting += ids_.areas[i] * enclosure_.materials[i].emissivity;
-    }
-    sum.emissivity = emitting / sum.area;
-    std::vector<HeatErrors::Term> irradiations, radiosities, fluxes, powers;
-    double power = 0, radiosity = 0, irradiation = 0, flow = 0;
-    bool is_given = true;
-    for (const uint32_t i : rows) {
-      const double share = ids_.areas[i] / sum.area,
-                   emitted = ids_.areas[i] * enclosure_.materials[i].emissivity / emitting;
-      irradiations.push_back({i, share});
-      radiosities.push_back({i, share * reflectivity_[i]});
-      fluxes.push_back({i, share * fluxSlope(i)});
-      powers.push_back({i, emitted * powerSlope(i)});
-      irradiation += share * h_[i];
-      radiosity += share * b_[i];
-      power += emitted * powerOf(i);
-      flow += ids_.areas[i] * fluxOf(i);
-      is_given = is_given && enclosure_.materials[i].temperature == enclosure_.materials[rows.front()].temperature &&
-                 enclosure_.materials[i].temperature;
-    }
-    sum.temperature = is_given ? Measured{*enclosure_.materials[rows.front()].temperature, 0}
-                               : temperatureAt(power, errors_->standardError(powers), name);
-    sum.radiosity = {radiosity + shift_, errors_->standardError(radiosities)};
-    sum.irradiation = {irradiation + shift_, errors_->standardError(irradiations)};
-    sum.heat_flux = {flow / sum.area, errors_->standardError(fluxes)};
-    sum.heat_flow = {flow, sum.area * sum.heat_flux.standard_error};
-    if (bounds_.size() > 0) {
-      const auto boundOf = [&](const std::vector<HeatErrors::Term>& terms) {
-        double bound = 0;
-        for (const HeatErrors::Term& term : terms)
-          bound += term.factor == 0 ? 0 : std::abs(term.factor) * bounds_[term.row];
-        return bound;
-      };
-      const double of_flux = boundOf(fluxes);
-      sum.bounds = {temperatureBound(sum.temperature.value, boundOf(powers)), boundOf(radiosities),
-                    boundOf(irradiations), of_flux, sum.area * of_flux};
-    }
-    return sum;
-  }
-
-  void sumSurfaces(HeatSolution& found) const {
-    const auto rows = rowsOfSurfaces(ids_, enclosure_.surface_names.size());
-    for (size_t k = 0; k < rows.size(); ++k) {
-      if (rows[k].size() == 1) {
-        found.surfaces.push_back(found.rows[rows[k].front()]);
-        found.surfaces.back().name = enclosure_.surface_names[k];
-      } else if (!rows[k].empty()) {
-        found.surfaces.push_back(sumRows(enclosure_.surface_names[k], rows[k]));
-      }
-    }
-  }
-
-  const Ids& ids_;
-  const Enclosure& enclosure_;
-  ClosedExchange closed_;
-  double shift_;
-  Outside outside_;
-  VectorXd source_, reflectivity_, h_, b_;
-  std::optional<Irradiation> irradiation_;
-  std::optional<HeatErrors> errors_;
-  VectorXd bounds_;  // of irradiations; empty without intervals
-};
 
 }  // namespace
 
 HeatSolution solveHeat(const FormFactors& form_factors, const Enclosure& enclosure) {
-  if (!enclosure.band_limits_um.empty()) return solveBands(form_factors, enclosure);
-  return Solver(form_factors, enclosure).solution();
+  return enclosure.band_limits_um.empty() ? solveGrey(form_factors, enclosure) : solveBands(form_factors, enclosure);
 }
 
 }  // namespace viewpeel

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "solve/check_enclosure.h"
 #include "stopwatch.h"
 #include <viewpeel/error.h>
 
@@ -17,13 +18,6 @@ constexpr double kMargin = 0.8, kMostReduction = 1e-2, kLeastReduction = 0.7;
 
 const char* unitOf(HeatTolerance::Of of) {
   return of == HeatTolerance::Of::temperature ? " K" : of == HeatTolerance::Of::heat_flux ? " W/m2" : " of the heat";
-}
-
-void requireUnknownTemperatures(const Enclosure& enclosure) {
-  if (std::ranges::all_of(enclosure.materials,
-                          [](const Material& material) { return material.temperature.has_value(); }))
-    throw Error(ErrorCode::bad_usage,
-                "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
 }
 
 // Measures form factors to sky and ground separately, at the tolerance of the other form factors.
@@ -77,9 +71,7 @@ SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request
   Enclosure enclosure = assignMaterials(materials, makeIds(scene, request.by, request.two_sided), surface_names);
   if (!tolerance) return solveOnce(scene, materials, enclosure, request, observer);
 
-  if (!(tolerance->standard_error > 0))
-    throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
-  if (tolerance->of == HeatTolerance::Of::temperature) requireUnknownTemperatures(enclosure);
+  requireTolerance(*tolerance, enclosure);
   const auto start = Clock::now();
   const std::optional<double> limit_s = request.time_limit_s;
   double of_form_factors = kFirstTolerance;

@@ -170,6 +170,26 @@ TEST_F(SolveProgram, SkyAndGroundAreApart) {
                 "has neither environment:up nor environment:down");
 }
 
+TEST_F(SolveProgram, WithoutAMatrix) {
+  const std::string solve = "solve " + kOffice + " --materials " + officeMaterials() + " --matrix-free on";
+  const Result r = run(solve + " -o " + file("m.csv"));
+  ASSERT_EQ(r.status, 0) << r.output;
+  for (const char* part : {"no form factors are kept", "balance    all heat flows add up", "tolerance  standard errors",
+                           "in 1 round", "sweeps", "written    "})
+    EXPECT_NE(r.output.find(part), std::string::npos) << part << r.output;
+  ASSERT_EQ(run("solve " + kOffice + " --materials " + officeMaterials() + " --quiet -o " + file("s.csv")).status, 0);
+  // The radiator's heat flow, without a matrix and with one, agrees within 5 of the larger standard error.
+  const auto found = rowsOf(readFile(file("m.csv"))).at("radiator"),
+             stored = rowsOf(readFile(file("s.csv"))).at("radiator");
+  const double error = std::stod(found.at(11));
+  EXPECT_GT(error, std::stod(stored.at(11)));
+  EXPECT_NEAR(std::stod(found.at(10)), std::stod(stored.at(10)), 5 * error);
+  expectRefusal(run(solve + " --exchange gebhart -o " + file("m.csv")), "--exchange takes");
+  expectRefusal(run(solve + " --epsilon 0.1"), "--epsilon takes");
+  expectRefusal(run(solve + " --form-factors 0.1"), "--form-factors takes");
+  expectRefusal(run(solve + " -o " + file("m.h5")), "m.h5 takes");
+}
+
 TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   const auto refuse = [&](const std::string& lines, const std::string& part) {
     expectRefusal(

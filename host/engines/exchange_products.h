@@ -1,0 +1,52 @@
+// ExchangeProducts multiply the exchange of all pairs of a scene by vectors, on the processor's threads, and peel the
+// scene again for each product. A matrix is never made.
+#pragma once
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include <viewpeel/engine.h>
+#include "engines/lattice_options.h"
+#include "engines/outlines.h"
+#include "engines/pair_products.h"
+#include <viewpeel/ids.h>
+
+namespace viewpeel {
+
+class Sweep;
+
+class ExchangeProducts {
+ public:
+  //   In: scene, ids: the caller keeps them alive; options: resolution, sampling, thread_count, stop and on_batch count
+  //   Throws: Error bad_usage where the resolution is out of range.
+  ExchangeProducts(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+  ~ExchangeProducts();
+
+  using Outside = PairProducts::Outside;
+
+  // Returns y = C x for each column, C being the symmetric matrix of the counts of facing pairs, without its diagonal.
+  //   In: directions; factors: double[rows][columns]; outside: where given, Outside[rows], to which counts are added
+  //   Out: double[rows][columns], in counts; count x unitArea() is an area in the plane of projection
+  //   Error: factors are rounded to 2^-52 of the largest of their column; sums are exact, so that the same bits
+  //     come out
+  //     on any number of threads. Tests: tests/unit/exchange_products_test.cpp.
+  //   Throws: what stop and on_batch throw.
+  //   Cost: a sweep for each direction; memory of 32 bytes x rows x columns for each thread.
+  std::vector<double> multiply(std::span<const Direction> directions, const std::vector<double>& factors,
+                               size_t columns, std::vector<Outside>* outside = nullptr);
+
+  // Returns the area that one count stands for, in unit-ball units squared.
+  double unitArea() const;
+  uint64_t memoryBytes() const;
+
+ private:
+  struct Worker;
+
+  SweepScene scene_;
+  LatticeOptions options_;
+  uint32_t row_count_;
+  std::vector<std::unique_ptr<Worker>> workers_;
+};
+
+}  // namespace viewpeel

@@ -1,0 +1,138 @@
+#include "solve/peeled_exchange.h"
+
+#include <cmath>
+
+#include <fmt/format.h>
+#include <glm/glm.hpp>
+
+#include "directions/replicates.h"
+#include "directions/sampler.h"
+#include "engines/host_engine.h"
+#include <viewpeel/balance.h>
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+using Eigen::VectorXd;
+using Outside = ExchangeProducts::Outside;
+
+// A polygon of the median area has this many spacings to its side. With half as many, errors double while the time
+// halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
+constexpr double kSpacingsPerSide = 2;
+constexpr double kBeyondDoubt = 4.5;  // as closeRows
+
+}  // namespace
+
+PeeledExchange::PeeledExchange(const Scene& scene, const Ids& ids, const MatrixFreeRequest& request,
+                               const glm::dvec3& up, Watch watch)
+    : scene_(scene), ids_(ids), request_(request), up_(up) {
+  options_.resolution =
+      request.resolution ? request.resolution : chooseResolution(scene, kSpacingsPerSide, kMaxResolution);
+  options_.sampling = chooseSampling(scene, ids, false);
+  options_.thread_count = request.threads;
+  options_.stop = std::move(watch.stop);
+  options_.on_batch = [this, show = std::move(watch.show)](uint64_t done) {
+    if (show) show(done, batch_directions_);
+  };
+  products_ = std::make_unique<ExchangeProducts>(scene, ids, options_);
+  closed_.areas = Eigen::Map<const VectorXd>(ids.areas.data(), ids.count());
+}
+
+std::span<const Direction> PeeledExchange::replicate(uint32_t r) const {
+  const size_t count = directions_.size() / kProductReplicateCount;
+  return std::span(directions_).subspan(r * count, count);
+}
+
+Columns PeeledExchange::multiplyOpen(std::span<const Direction> directions, const Columns& v,
+                                     std::vector<Outside>* outside) {
+  batch_directions_ = directions.size();
+  const auto columns = static_cast<size_t>(v.cols());
+  std::vector<double> products = products_->multiply(directions, {v.data(), v.data() + v.size()}, columns, outside);
+  sweeps_ += directions.size();
+  ++product_count_;
+  return Eigen::Map<const Columns>(products.data(), v.rows(), v.cols()) *
+         (2 * products_->unitArea() * scene_.scale * scene_.scale / double(directions.size()));
+}
+
+void PeeledExchange::requireNoLeak(const std::vector<Outside>& outside) const {
+  const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / double(directions_.size());
+  double leak = 0, largest = 0;
+  size_t row = 0;
+  for (size_t i = 0; i < outside.size(); ++i) {
+    const double of_row = double(outside[i].leak) * of_count;
+    leak += of_row;
+    if (of_row > largest) largest = of_row, row = i;
+  }
+  if (leak > kGrazingShare * closed_.areas.sum()) refuseLeak(leak / closed_.areas.sum(), ids_.names[row]);
+}
+
+void PeeledExchange::draw(uint32_t directions, uint64_t round) {
+  directions_.clear();
+  for (uint32_t r = 0; r < kProductReplicateCount; ++r) {
+    const uint64_t number = kProductReplicates.first + kProductReplicateCount * round + r;
+    for (Direction& direction : sampleDirections(Sampler::fibonacci, directions, request_.seed, number)) {
+      if (glm::dot(direction.u, up_) < 0) direction.u = -direction.u, direction.x_axis = -direction.x_axis;
+      directions_.push_back(direction);
+    }
+  }
+  const Eigen::Index n = closed_.areas.size();
+  std::vector<Outside> outside(ids_.count());
+  VectorXd with_pairs = VectorXd::Zero(n);
+  std::vector<double> leaving;  // exchange area of all rows with the environment, by replicate
+  const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / directions;
+  uint64_t before = 0;
+  for (uint32_t r = 0; r < kProductReplicateCount; ++r) {
+    with_pairs += multiplyOpen(replicate(r), Columns::Ones(n, 1), &outside).col(0) / kProductReplicateCount;
+    uint64_t lines = 0;
+    for (const Outside& of_row : outside) lines += of_row.ahead + of_row.behind;
+    leaving.push_back(double(lines - before) * of_count);
+    before = lines;
+  }
+  requireNoLeak(outside);
+  double mean = 0, squares = 0;
+  for (const double of_replicate : leaving) mean += of_replicate / kProductReplicateCount;
+  for (const double of_replicate : leaving) squares += std::pow(of_replicate - mean, 2);
+  const double error = std::sqrt(squares / (kProductReplicateCount * (kProductReplicateCount - 1.0)));
+  const double area = closed_.areas.sum();
+  closed_.is_open = mean > kGrazingShare * area && mean > kBeyondDoubt * error;
+  closed_.environment_share = closed_.is_open ? mean / area : 0;
+  closed_.environment = VectorXd::Zero(n);
+  up_share_ = VectorXd::Constant(n, 0.5);
+  if (closed_.is_open)
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const Outside& of_row = outside[static_cast<size_t>(i)];
+      const auto lines = double(of_row.ahead + of_row.behind);
+      closed_.environment[i] = lines * of_count / kProductReplicateCount;
+      if (lines > 0) up_share_[i] = double(of_row.ahead) / lines;
+    }
+  given_ = with_pairs + closed_.environment;
+  closed_.largest_lack = 0;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    // A line between two polygons of one row leaves the row at both of its ends.
+    const double own = 2 * double(outside[static_cast<size_t>(i)].own) * of_count / kProductReplicateCount;
+    const double lack = 1 - (given_[i] + own) / closed_.areas[i];
+    if (std::abs(lack) > std::abs(closed_.largest_lack))
+      closed_.largest_lack = lack, closed_.lacking_row = static_cast<uint32_t>(i);
+  }
+}
+
+Columns PeeledExchange::multiply(const Columns& v) {
+  Columns products = multiplyOpen(directions_, v, nullptr);
+  products.array() += v.array().colwise() * (closed_.areas - given_).array();
+  return products;
+}
+
+PeeledExchange::Part PeeledExchange::multiplyPart(uint32_t r, const Columns& v) {
+  std::vector<Outside> outside(ids_.count());
+  Part part{multiplyOpen(replicate(r), v, &outside), VectorXd::Zero(v.rows()), VectorXd::Zero(v.rows())};
+  if (!closed_.is_open) return part;
+  const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / double(replicate(r).size());
+  for (Eigen::Index i = 0; i < v.rows(); ++i) {
+    part.up[i] = double(outside[static_cast<size_t>(i)].ahead) * of_count;
+    part.down[i] = double(outside[static_cast<size_t>(i)].behind) * of_count;
+  }
+  return part;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,48 @@
+// The options of `viewpeel solve`, and its ways to an answer.
+#pragma once
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <viewpeel/matrix_free.h>
+#include <viewpeel/solve.h>
+
+#include "program/outputs.h"
+
+namespace viewpeel::program {
+
+// Where form factors are not kept, products with them are made while directions are peeled.
+enum class MatrixFree { automatic, on, off };
+
+struct SolveCommand {
+  std::string scene, groups, materials;
+  std::vector<std::string> outputs, stored;
+  std::vector<PlannedFile> files;  // all outputs, and whether each existed before the run
+  Request request;
+  std::optional<double> form_factor_tolerance, epsilon;
+  double delta = EpsilonDelta{}.delta;
+  std::optional<HeatTolerance> tolerance;
+  std::optional<ExchangeKind> exchange;
+  double drop_below = 0;
+  std::optional<glm::dvec3> up;
+  MatrixFree matrix_free = MatrixFree::automatic;
+  bool quiet = false, json = false;
+
+  bool talks() const { return !quiet && !json; }
+};
+
+// Describes the materials, a line.
+std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution);
+// Describes a tolerance beside the error that was reached.
+std::string describeTolerance(const HeatTolerance& tolerance, double reached);
+// Warns where the environment of the materials has no effect.
+void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution);
+
+// Refuses --matrix-free on beside an option or a material that takes form factors.    Throws: Error bad_usage.
+void checkMatrixFree(const SolveCommand& command, const MaterialTable& table);
+// Returns whether the answers are to be found without a matrix.    In: after checkMatrixFree
+bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const Scene& scene);
+// Solves without a matrix, and prints and writes the answers. Returns the exit status.
+int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, const Scene& scene);
+
+}  // namespace viewpeel::program

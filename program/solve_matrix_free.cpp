@@ -1,0 +1,115 @@
+// `viewpeel solve` of scenes whose form factors would not fit in memory.
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "program/command_line.h"
+#include "program/describe_heat.h"
+#include "program/heat_outputs.h"
+#include "program/interrupts.h"
+#include "program/progress_line.h"
+#include "program/result_json.h"
+#include "program/solve_command.h"
+#include "program/summary.h"
+#include "program/warnings.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel::program {
+namespace {
+
+// Returns the option or material that takes form factors in memory; empty where there is none.
+std::string findNeedOfMatrix(const SolveCommand& command, const MaterialTable& table) {
+  if (command.form_factor_tolerance) return "--form-factors";
+  if (command.epsilon) return "--epsilon";
+  if (command.exchange) return "--exchange";
+  for (const std::string& output : command.outputs)
+    if (!output.ends_with(".csv")) return "-o " + output;
+  if (!table.band_limits_um.empty()) return "the bands of wavelengths in " + table.file;
+  return {};
+}
+
+MatrixFreeRequest requestOf(const SolveCommand& command) {
+  MatrixFreeRequest request{.by = command.request.by, .two_sided = command.request.two_sided};
+  if (command.tolerance) request.tolerance = *command.tolerance;
+  request.seed = command.request.seed;
+  request.threads = command.request.threads;
+  request.time_limit_s = command.request.time_limit_s;
+  return request;
+}
+
+int reportStop(const std::string& left) {
+  complain(fmt::format("stopped by {}{}", interruptionName(), left));
+  return 128 + interruption();
+}
+
+void printAnswers(const SolveCommand& command, const MaterialTable& table, const MatrixFreeRequest& request,
+                  const MatrixFreeHeat& found, const std::string& tolerance) {
+  fmt::print("sampling   {} directions in {} replicates, lattice {} across; seed {}; no form factors are kept\n",
+             found.directions, found.replicates, found.resolution, request.seed);
+  fmt::print("{}{}", describeMaterials(table, found.heat), describeHeat(found.heat, command.request.by));
+  fmt::print("tolerance  standard errors up to {}, in {}\n", tolerance, counted(found.rounds, "round"));
+  fmt::print("work       {}, {}; {:.0f} MiB beside the scene; {:.2f} s\n", counted(found.sweeps, "sweep"),
+             counted(found.heat.steps, "step") + " of conjugate gradients", double(found.memory_bytes) / 1048576.0,
+             found.seconds);
+}
+
+void printJson(const SolveCommand& command, const MatrixFreeHeat& found) {
+  Json report = startReport();
+  report["matrix_free"] = {{"replicates", found.replicates}, {"directions", found.directions},
+                           {"rounds", found.rounds},         {"sweeps", found.sweeps},
+                           {"resolution", found.resolution}, {"memory_bytes", found.memory_bytes},
+                           {"seconds", found.seconds}};
+  report["goal_reached"] = found.is_reached;
+  addHeat(report, found.heat, command.request.by);
+  report["files"] = jsonOf(command.files);
+  printReport(std::move(report));
+}
+
+}  // namespace
+
+void checkMatrixFree(const SolveCommand& command, const MaterialTable& table) {
+  const std::string need = findNeedOfMatrix(command, table);
+  if (command.matrix_free == MatrixFree::on && !need.empty())
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format("--matrix-free on keeps no form factors, but {} takes them; leave one of the two out", need));
+}
+
+bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const Scene& scene) {
+  if (command.matrix_free != MatrixFree::automatic) return command.matrix_free == MatrixFree::on;
+  const uint64_t rows = command.request.by == By::surface ? scene.surfaces.size() : scene.faces.size();
+  return findNeedOfMatrix(command, table).empty() && matrixBytes(rows) > kMostMatrixBytes;
+}
+
+int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, const Scene& scene) {
+  const MatrixFreeRequest request = requestOf(command);
+  holdInterrupts([] { return reportStop(" before the first answers; nothing is written"); });
+  ProgressLine progress(command.request, !command.quiet);
+  MatrixFreeHeat found;
+  try {
+    const auto show = [&](uint64_t product, uint64_t directions, uint64_t of_product, double error) {
+      progress.begin(fmt::format("product {}, direction {} of {}{}", product, directions, of_product,
+                                 std::isfinite(error) ? fmt::format("; last round's error {:.1e}", error) : ""));
+    };
+    MatrixFreeObserver observer{.should_stop = [] { return interruption() != 0; }};
+    if (!command.quiet) observer.on_progress = show;
+    found = solveMatrixFree(scene, table, request, observer);
+  } catch (const Error&) {
+    progress.clear();
+    endByItself();
+    if (interruption()) return reportStop(" before the first answers; nothing is written");
+    throw;
+  }
+  endByItself();
+  progress.clear();
+  warnOfEnvironment(table, found.heat);
+  for (const std::string& output : command.outputs) writeHeat(found.heat, command.request.by, output);
+  const double reached = largestHeatError(found.heat, request.tolerance.of);
+  const std::string tolerance = describeTolerance(request.tolerance, reached);
+  if (!found.is_reached) warn(fmt::format("the run ended before the tolerance: standard errors of {}", tolerance));
+  if (command.json) printJson(command, found);
+  if (command.talks()) printAnswers(command, table, request, found, tolerance);
+  return found.is_interrupted ? reportStop("; the answers so far are written") : 0;
+}
+
+}  // namespace viewpeel::program

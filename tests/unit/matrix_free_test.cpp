@@ -1,0 +1,263 @@
+// Compares heat that is found without a matrix with the same counts in a matrix, and with closed forms.
+#include <viewpeel/matrix_free.h>
+
+#include <atomic>
+#include <algorithm>
+
+#include <gtest/gtest.h>
+
+#include "directions/replicates.h"
+#include "directions/sampler.h"
+#include "engines/host_engine.h"
+#include "scenes/generate.h"
+#include "scenes/named_scenes.h"
+#include "tests/support/enclosures.h"
+#include "tests/support/reference_shapes.h"
+
+namespace viewpeel {
+namespace {
+
+using bench::city;
+
+namespace te = test_enclosures;
+namespace ts = test_scenes;
+using Of = HeatTolerance::Of;
+using reference::test::isWithin;
+
+constexpr uint32_t kReplicates = 8;
+
+MaterialTable tableOf(std::vector<MaterialTable::Line> lines, std::optional<double> environment = {}) {
+  return {"materials", std::move(lines), environment};
+}
+
+// Some temperatures are given, some heat fluxes, and some rows are adiabatic.
+const MaterialTable kCity = tableOf({{"default", te::hot(0.8, 300), 2},
+                                     {"*1]", te::flux(0.9, 50), 3},
+                                     {"*2]", te::flux(0.5, 0), 4},
+                                     {"*3]", te::hot(1, 310), 5}},
+                                    265);
+
+std::vector<std::string> surfaceNames(const Scene& scene) {
+  std::vector<std::string> names;
+  for (const Surface& surface : scene.surfaces) names.push_back(surface.name);
+  return names;
+}
+
+// Returns form factors from the counts of the same directions, as the host engine counts them.
+FormFactors formFactorsOf(const Scene& scene, const MatrixFreeRequest& request, const MatrixFreeHeat& found) {
+  Ids ids = makeIds(scene, request.by, request.two_sided);
+  const auto engine = makeHostEngine(
+      scene, ids, {.resolution = found.resolution, .sampling = chooseSampling(scene, ids, false), .thread_count = 2});
+  std::vector<Direction> directions;
+  for (uint32_t r = 0; r < kReplicates; ++r)
+    for (Direction& direction :
+         sampleDirections(Sampler::fibonacci, request.first_directions, request.seed, kProductReplicates.first + r)) {
+      if (direction.u.z < 0) direction.u = -direction.u, direction.x_axis = -direction.x_axis;
+      directions.push_back(direction);
+    }
+  const double of_count = 2 * engine->unitArea() * scene.scale * scene.scale / double(directions.size());
+  std::vector<FormFactors::Entry> entries;
+  std::vector<Measured> sums(ids.count());
+  for (const PairCount& pair : engine->count(directions)) {
+    const double exchange = double(pair.count) * of_count * (pair.i == pair.j ? 2 : 1);
+    entries.push_back({pair.i, pair.j, {exchange, 0}});
+    sums[pair.i].value += exchange / ids.areas[pair.i];
+    if (pair.j < kEnvironment && pair.j != pair.i) sums[pair.j].value += exchange / ids.areas[pair.j];
+  }
+  return {std::move(ids), std::move(entries), std::move(sums)};
+}
+
+// Both solve the same equations, to 1e-12 of the right side. Rows that reflect all have a condition of some hundreds,
+// and sums of some hundred terms are rounded by 1e-14: 1e-8 of the emission at 310 K holds all of it.
+TEST(MatrixFree, EqualsTheSameCountsInAMatrix) {
+  const Scene scene = buildScene(city(400));
+  const MatrixFreeRequest request{.first_directions = 16, .residual = 1e-12, .seed = 3};
+  const MatrixFreeHeat found = solveMatrixFree(scene, kCity, request);
+  ASSERT_EQ(found.rounds, 1u);
+  ASSERT_EQ(found.directions, 128u);
+  const FormFactors f = formFactorsOf(scene, request, found);
+  const HeatSolution stored = solveHeat(f, assignMaterials(kCity, f.ids(), surfaceNames(scene)));
+  ASSERT_TRUE(stored.is_open && found.heat.is_open);
+  const double power = te::power(310), kMost = 1e-8 * power;
+  ASSERT_EQ(found.heat.rows.size(), stored.rows.size());
+  for (size_t k = 0; k < stored.rows.size(); ++k) {
+    const HeatRow &a = found.heat.rows[k], &b = stored.rows[k];
+    EXPECT_TRUE(isWithin(a.irradiation.value, b.irradiation.value, kMost)) << a.name;
+    EXPECT_TRUE(isWithin(a.heat_flux.value, b.heat_flux.value, kMost)) << a.name;
+    EXPECT_TRUE(isWithin(te::power(a.temperature.value), te::power(b.temperature.value), 2 * kMost)) << a.name;
+  }
+  EXPECT_TRUE(isWithin(found.heat.to_environment.value, stored.to_environment.value, 1e-8 * stored.heat_flow_total));
+  EXPECT_TRUE(isWithin(found.heat.largest_lack, stored.largest_lack, 1e-12));
+  EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9 * stored.heat_flow_total);
+  // A solution that ends too early is found out.
+  MatrixFreeRequest rough = request;
+  rough.residual = 1e-3;
+  double largest = 0;
+  const HeatSolution early = solveMatrixFree(scene, kCity, rough).heat;
+  for (size_t k = 0; k < stored.rows.size(); ++k)
+    largest = std::max(largest, std::abs(early.rows[k].irradiation.value - stored.rows[k].irradiation.value));
+  EXPECT_GT(largest, kMost);
+}
+
+// A box within a box, all surfaces grey: Oppenheim's closed form, with the standard error that is stated. Both have one
+// radiosity for each surface. Errors of 5 have a probability of 0.16 % for Student's t with 7 degrees of freedom; the
+// seed is fixed.
+TEST(MatrixFree, ConcentricBoxes) {
+  const double side = 0.4;
+  const Scene scene = buildScene(ts::cubeInCube(side));
+  const double inner = 6 * side * side, outer = 6;
+  const double truth = te::betweenTwo(inner, 0.8, 400, outer, 0.3, 300);
+  const MaterialTable table = tableOf({{"inner", te::hot(0.8, 400), 2}, {"outer", te::hot(0.3, 300), 3}});
+  const MatrixFreeHeat found = solveMatrixFree(scene, table, {.by = By::surface, .first_directions = 64});
+  const double area =
+      found.heat.surfaces[0].name == "inner" ? found.heat.surfaces[0].area : found.heat.surfaces[1].area;
+  ASSERT_TRUE(isWithin(area, inner, 1e-9));
+  EXPECT_FALSE(found.heat.is_open);
+  for (const HeatRow& row : found.heat.surfaces) {
+    const double sign = row.name == "inner" ? 1 : -1;
+    EXPECT_TRUE(isWithin(row.heat_flow.value, sign * truth, 5 * row.heat_flow.standard_error)) << row.name;
+    EXPECT_LT(row.heat_flow.standard_error, 0.01 * truth);
+    EXPECT_GT(row.heat_flow.standard_error, 0);
+  }
+  // The same heat flow given in place of the inner temperature gives this temperature.
+  const MaterialTable back = tableOf({{"inner", te::flux(0.8, truth / inner), 2}, {"outer", te::hot(0.3, 300), 3}});
+  for (const HeatRow& row : solveMatrixFree(scene, back, {.by = By::surface, .first_directions = 64}).heat.surfaces)
+    if (row.name == "inner") {
+      EXPECT_TRUE(isWithin(row.temperature.value, 400, 5 * row.temperature.standard_error));
+      EXPECT_GT(row.temperature.standard_error, 0);
+    }
+}
+
+// At one temperature all heat fluxes are 0, whatever the emissivities and the errors of exchange.
+TEST(MatrixFree, OneTemperatureMeansNoHeat) {
+  const Scene scene = buildScene(city(300));
+  const MaterialTable table =
+      tableOf({{"default", te::hot(0.3, 300), 2}, {"*1]", te::hot(1e-3, 300), 3}, {"*2]", te::flux(0.5, 0), 4}}, 300);
+  const MatrixFreeHeat found = solveMatrixFree(scene, table, {.first_directions = 16});
+  for (const HeatRow& row : found.heat.rows) {
+    EXPECT_TRUE(isWithin(row.heat_flux.value, 0, 1e-9 * te::power(300))) << row.name;
+    EXPECT_TRUE(isWithin(row.temperature.value, 300, 1e-9 * 300)) << row.name;
+  }
+}
+
+// Sky and ground at one temperature are the environment; apart, what each takes adds up to all that leaves.
+TEST(MatrixFree, SkyAndGround) {
+  const Scene scene = buildScene(city(300));
+  const MatrixFreeRequest request{.first_directions = 16, .residual = 1e-12};
+  const HeatSolution one = solveMatrixFree(scene, kCity, request).heat;
+  MaterialTable apart = kCity;
+  apart.environment_temperature.reset();
+  apart.sky_and_ground = SkyAndGround{265, 265};
+  const HeatSolution same = solveMatrixFree(scene, apart, request).heat;
+  for (size_t k = 0; k < one.rows.size(); ++k)
+    EXPECT_TRUE(isWithin(same.rows[k].irradiation.value, one.rows[k].irradiation.value, 1e-10 * te::power(310)));
+  apart.sky_and_ground = SkyAndGround{250, 290};
+  const HeatSolution two = solveMatrixFree(scene, apart, request).heat;
+  ASSERT_TRUE(two.to_up && two.to_down);
+  EXPECT_TRUE(isWithin(two.to_up->value + two.to_down->value, two.to_environment.value, 1e-9 * two.heat_flow_total));
+  EXPECT_GT(two.to_up->value, two.to_down->value);  // the city stands on the ground and looks up
+  EXPECT_GT(two.to_up->standard_error, 0);
+}
+
+TEST(MatrixFree, TheSameBitsOnAnyNumberOfThreads) {
+  const Scene scene = buildScene(city(300));
+  const auto of = [&](uint32_t threads, uint64_t seed) {
+    MatrixFreeRequest request{.first_directions = 8, .seed = seed, .threads = threads};
+    return solveMatrixFree(scene, kCity, request).heat.rows;
+  };
+  const std::vector<HeatRow> alone = of(1, 1), three = of(3, 1), other = of(1, 2);
+  size_t differing = 0;
+  for (size_t k = 0; k < alone.size(); ++k) {
+    EXPECT_EQ(alone[k].irradiation.value, three[k].irradiation.value);
+    EXPECT_EQ(alone[k].irradiation.standard_error, three[k].irradiation.standard_error);
+    differing += alone[k].irradiation.value != other[k].irradiation.value;
+  }
+  EXPECT_GT(differing, alone.size() / 2);
+}
+
+// Errors stated over 30 seeds against the truth of a fine run. Student's t with 7 degrees of freedom passes 2.36 in 5
+// of 100 cases. Of 30 independent cases 8 or more would with probability 9e-5; rows of one seed share directions.
+TEST(MatrixFree, StandardErrorsHold) {
+  const Scene scene = buildScene(ts::cubeInCube(0.4));
+  const double inner = 6 * 0.4 * 0.4, truth = te::betweenTwo(inner, 0.8, 400, 6, 0.3, 300);
+  const MaterialTable table = tableOf({{"inner", te::hot(0.8, 400), 2}, {"outer", te::hot(0.3, 300), 3}});
+  int beyond = 0;
+  double squares = 0;
+  for (uint64_t seed = 1; seed <= 30; ++seed) {
+    const MatrixFreeHeat found =
+        solveMatrixFree(scene, table, {.by = By::surface, .first_directions = 16, .seed = seed});
+    for (const HeatRow& row : found.heat.surfaces)
+      if (row.name == "inner") {
+        const double off = (row.heat_flow.value - truth) / row.heat_flow.standard_error;
+        beyond += std::abs(off) > 2.365;
+        squares += off * off / 30;
+      }
+  }
+  EXPECT_LT(beyond, 8);
+  EXPECT_GT(squares, 0.3);  // errors are not overstated twofold; the mean square of Student's t is 7/5
+}
+
+TEST(MatrixFree, DirectionsAreAddedUntilTheTolerance) {
+  const Scene scene = buildScene(city(300));
+  const MatrixFreeHeat found =
+      solveMatrixFree(scene, kCity, {.tolerance = {1.5, Of::temperature}, .first_directions = 8});
+  EXPECT_TRUE(found.is_reached);
+  EXPECT_GT(found.rounds, 1u);
+  EXPECT_LE(largestHeatError(found.heat, Of::temperature), 1.5);
+  // Where time is up after a round, its answers are kept; before the first there are none.
+  MatrixFreeObserver observer;
+  std::atomic<bool> has_answers = false;
+  observer.on_progress = [&](uint64_t, uint64_t, uint64_t, double largest_error) {
+    if (std::isfinite(largest_error)) has_answers = true;
+  };
+  observer.should_stop = [&] { return has_answers.load(); };
+  const MatrixFreeHeat stopped =
+      solveMatrixFree(scene, kCity, {.tolerance = {1e-3, Of::temperature}, .first_directions = 8}, observer);
+  EXPECT_TRUE(stopped.is_interrupted);
+  EXPECT_FALSE(stopped.is_reached);
+  EXPECT_EQ(stopped.heat.rows.size(), found.heat.rows.size());
+  EXPECT_THROW(solveMatrixFree(scene, kCity, {.time_limit_s = 1e-9}), Error);
+}
+
+TEST(MatrixFree, RefusesWhatHasNoAnswer) {
+  const auto refuses = [](const InputScene& input, const MaterialTable& table, const MatrixFreeRequest& request,
+                          const std::string& part) {
+    try {
+      solveMatrixFree(buildScene(input), table, request);
+    } catch (const Error& error) {
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+      return;
+    }
+    ADD_FAILURE() << "nothing says " << part;
+  };
+  const InputScene boxes = ts::cubeInCube(0.4), squares = ts::parallelSquares();
+  MaterialTable bands = tableOf({{"default", te::hot(0.5, 300), 2}});
+  bands.band_limits_um = {3};
+  refuses(boxes, bands, {}, "--matrix-free off");
+  refuses(boxes, tableOf({{"inner", te::hot(0.5, 300), 2}}), {}, "has no material");
+  refuses(squares, tableOf({{"default", te::hot(0.5, 300), 2}}), {}, "'environment'");
+  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = {1, Of::temperature}}, "are given");
+  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = {0, Of::relative}}, "not above 0");
+  InputScene inside_out = boxes;
+  for (InputFace& face : inside_out.faces)
+    if (inside_out.surface_names[face.surface] == "inner") std::ranges::reverse(face.corners);
+  refuses(inside_out, tableOf({{"default", te::hot(0.5, 300), 2}}), {}, "ends on backs");
+  // A second box within a box, beside the first, has heat fluxes alone.
+  InputScene two = boxes;
+  for (const std::string& name : boxes.surface_names) two.surface_names.push_back("other_" + name);
+  for (InputFace face : boxes.faces) {
+    for (glm::dvec3& corner : face.corners) corner.x += 3;
+    face.surface += static_cast<uint32_t>(boxes.surface_names.size());
+    two.faces.push_back(face);
+  }
+  const MaterialTable island = tableOf({{"default", te::hot(0.5, 300), 2}, {"other_*", te::flux(0.5, 0), 3}});
+  refuses(two, island, {.by = By::surface}, "the temperature of ");
+}
+
+TEST(MatrixFree, AMatrixOfAllPairsIsPredicted) {
+  EXPECT_LT(matrixBytes(10'000), kMostMatrixBytes);
+  EXPECT_GT(matrixBytes(11'000), kMostMatrixBytes);
+}
+
+}  // namespace
+}  // namespace viewpeel
