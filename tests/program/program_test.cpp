@@ -164,7 +164,7 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--balance -o " + file("a.balanced.mtx"), ".balanced.mtx"},
       {plates + "--no-such-option", "--no-such-option"},
       {plates + "-o " + file("a.xyz"), ".csv, .mtx, .npz"},
-      {plates + "--quiet --epsilon 1e-9", "epsilon"},
+      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --epsilon 1e-9", "epsilon"},
       {plates + "--epsilon 0.1 --resolution 64 --range 3", "--range"},
       {plates + "--epsilon 0.1 --statistic median --block 3", "--block"},
       {plates + "--engine exact --resolution 64", "--resolution"},

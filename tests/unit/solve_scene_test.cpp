@@ -57,11 +57,11 @@ TEST(SolveScene, TolerancesAreReached) {
     EXPECT_TRUE(found.is_reached);
     EXPECT_TRUE(found.runs == 1 || found.form_factor_tolerance < 0.02);
   }
-  // Nothing is between these two squares. Their form factors have standard errors of 1e-6, which no lines can reduce,
-  // so a finer tolerance is refused.
+  // Nothing is between these two squares. Their form factors have the errors of their integrals, about 1e-14, which no
+  // lines can reduce, so a finer tolerance is refused.
   const Scene squares = buildScene(ts::parallelSquares());
   EXPECT_THROW(solveScene(squares, tableOf({{"lower", te::hot(0.5, 300), 2}, {"upper", te::flux(0.8, 200), 3}}, 280),
-                          onHost(By::surface), HeatTolerance{1e-9, Of::temperature}),
+                          onHost(By::surface), HeatTolerance{1e-18, Of::temperature}),
                Error);
   // Where time runs out after the first run, its answers are returned and is_reached is false.
   Request hurried = onHost(By::surface);
