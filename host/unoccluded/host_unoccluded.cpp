@@ -342,7 +342,7 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
 
 // Returns the exchange area by integrals along the contours of the two parts in front of each other's planes:
 //   A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
-//   Out: error: a bound on the error; work: raised
+//   Out: error: a bound on the error, but for the rounding of corners; work: raised
 double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lines, double& error,
                                      UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
@@ -378,8 +378,7 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lin
                  : integrateLine(p, q, round, error);
       ++work.line_integrals;
     }
-  // A corner that moves by its rounding moves the contour of its polygon; no point of it exchanges more than 1.
-  error = unit * unit * error / (2 * kPi) + 8 * kUnit * (sides.a.radius + sides.b.radius);
+  error = unit * unit * error / (2 * kPi);
   return (sides.is_flipped ? -sum : sum) * unit * unit / (2 * kPi);
 }
 
@@ -419,6 +418,9 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, Lines lines, Un
     found.area = std::max(found.area, 0.0);
     if (found.is_reached) break;
   }
+  // A corner that moves by its rounding moves the contour of its polygon; no point of it exchanges more than 1. More
+  // points of a rule would not reduce this error, so is_reached is decided without it.
+  found.error += 8 * kUnit * (sides.a.radius + sides.b.radius);
   return found;
 }
 
