@@ -143,7 +143,7 @@ TEST_F(Parts, PartsOfManyPolygonsMergeWithTheirScene) {
   EXPECT_EQ(with.output, "");
   EXPECT_EQ(readFile(file("with.csv")), readFile(file("whole.csv")));
   EXPECT_EQ(without.status, 0);
-  EXPECT_NE(without.output.find("give --scene FILE"), std::string::npos) << without.output;
+  EXPECT_NE(without.output.find("give the scene by --scene FILE"), std::string::npos) << without.output;
   EXPECT_LT(readFile(file("without.csv")).size(), readFile(file("whole.csv")).size());
   EXPECT_EQ(other.status, 2);
   EXPECT_NE(other.output.find("another scene"), std::string::npos) << other.output;
