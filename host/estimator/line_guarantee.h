@@ -1,11 +1,12 @@
 // A LineGuarantee draws pair lines until, with probability 1 - delta, every form factor lies in its interval, and every
-// form factor between polygons is within epsilon. line_guarantee_plan.cpp plans, line_guarantee.cpp draws lines, and
-// line_guarantee_result.cpp makes intervals.
+// form factor between polygons is within epsilon. line_guarantee_plan.cpp plans, line_guarantee.cpp and
+// line_guarantee_strata.cpp draw lines, and line_guarantee_result.cpp makes intervals.
 //
 // An entry of the result has the exchange area clear + share x blockable, and only its share is unknown. Where the
 // blockable part is at most epsilon, geometry alone bounds it. Other entries get independent lines (uniform_lines.h).
 // Hoeffding's bound gives, before the run, a number of lines that is enough. Chernoff's bound, computed at a few looks,
-// each after a set number of lines, may end an entry sooner. Derivation: docs/method.md, section 14.
+// each after a set number of lines, may end an entry sooner. An entry that would need many lines gets lines in strata
+// first: their own differences bound their variance (strata_bounds.h). Derivation: docs/method.md, section 14.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -15,6 +16,7 @@
 #include <viewpeel/result.h>
 
 #include "engines/vectorised.h"
+#include "estimator/strata_bounds.h"
 #include "pair_lines/pair_lines.h"
 #include "sums/run_sums.h"
 
@@ -43,7 +45,8 @@ class LineGuarantee {
                 const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options);
 
   const LineGuaranteeFigures& figures() const { return figures_; }
-  // Predicts the times of figures().    Cost: some 100,000 lines.
+  // Predicts the times of figures().
+  //   Error: all lines count as uniform ones, though lines in strata take less time than these    Cost: some 100,000 lines.
   void measureSeconds();
   uint64_t lookCount() const { return look_; }
   // Returns the largest number of looks that may be needed.
@@ -63,9 +66,14 @@ class LineGuarantee {
     double error = 0;                // bound on the error of `exchange`
     double exchange = 0, clear = 0;  // unoccluded, and the part that nothing can block; input units squared
     double allowed = 0;              // error of the exchange area that the guarantee allows
-    double weight = 0;               // most that one line weighs, after the last look
+    double log_chance = 0;           // ln(1 / p), where p is the chance that one side of one bound fails
+    double first_weight = 0;         // most that one line weighs, after the first look
+    double weight = 0;               // the same after the last look
     uint32_t first_part = 0, part_count = 0;
-    uint32_t looks = 1;                       // most looks
+    uint32_t looks = 1, look = 0;             // most looks at uniform lines, and those done
+    uint32_t strata_looks = 0;                // most looks at lines in strata that are left
+    double strata_lines = 0;                  // lines of the next such look
+    double strata_drawn = 0;                  // lines of all such looks so far
     Interval interval{};                      // of exchange areas
     double first_facing = 0, first_open = 0;  // exchange areas after the first look
     double first_variance = 0;                // sum of the squared ranges of its lines
@@ -82,6 +90,19 @@ class LineGuarantee {
     double exchange;     // input units squared
     float guess = 0.5f;  // visibility of open lines, guessed
     UniformLineCount count{};
+    uint64_t strata_lines = 0;
+
+    // Returns whether a line would take too many candidates.
+    bool isLeftOpen() const { return count.open == count.lines; }
+    // Estimates the largest exchange area that a candidate stands for, if there were one candidate.
+    double largestWeight() const { return exchange * double(count.candidates) / double(count.lines); }
+  };
+
+  // Tasks are the lines of some entries' next looks.
+  struct Tasks {
+    std::vector<UniformTask> uniform;
+    std::vector<StrataTask> strata;
+    std::vector<size_t> first;  // by entry: index of its first part's task, among those of its kind
   };
 
   // A Row holds sums over the entries of a row.
@@ -95,16 +116,28 @@ class LineGuarantee {
   void requireRows() const;
   void collectEntries(const std::vector<LinePair>& pairs);
   void planLooks();
+  static void planEntryLooks(Entry& entry, double chance);
   void planRows();
   void predict();
   UniformLineCount drawPilot(const Entry& entry) const;
   double expectedLines(const Entry& entry, double share) const;
+  void planStrata(Entry& entry, const StrataFigures& shown, double lines) const;
+  static double expectedStrata(const Entry& entry, double share, double weights);
+  static double worthStrata(const Entry& entry, double share, double lines, double candidates);
+  double sumWeights(const Entry& entry) const;
+  void chooseStrata(Entry& entry) const;
+  double mostStrata(const Entry& entry) const;
+  bool hasRoomForStrata(const Entry& entry) const;
+  void addStrataTasks(const Entry& entry, std::vector<StrataTask>& tasks) const;
+  bool lookAtStrata(Entry& entry, std::span<const StrataTask> tasks);
+  bool narrow(Entry& entry, const Interval& interval, double value, double standard_error) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
   double weightAt(const Entry& entry, uint32_t look) const;
   double mostCandidates(const Entry& entry, const Part& part) const;
-  std::vector<UniformTask> tasksOf(std::span<const uint32_t> entries) const;
+  Tasks tasksOf(std::span<const uint32_t> entries) const;
   void take(Entry& entry, std::span<const UniformTask> tasks);
   bool settle(Entry& entry, uint32_t look) const;
+  bool look(Entry& entry, const Tasks& tasks, size_t first);
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
   double linesOf(const Entry& entry, uint32_t look) const;
   FormFactors withEveryEnvironment(FormFactors all) const;
@@ -117,17 +150,18 @@ class LineGuarantee {
   PairLines& lines_;
   LineGuaranteeOptions options_;
   LineGuaranteeFigures figures_;
-  std::vector<Entry> entries_;          // sorted by (i, j)
-  std::vector<Part> parts_;             // of faces
-  size_t pairs_ = 0;                    // number of pairs of faces
-  std::vector<uint32_t> open_;          // indices of unfinished entries
-  double log_entry_ = 0, log_row_ = 0;  // ln(2 / p) for one look at an entry, and for a row
+  std::vector<Entry> entries_;  // sorted by (i, j)
+  std::vector<Part> parts_;     // of faces
+  size_t pairs_ = 0;            // number of pairs of faces
+  std::vector<uint32_t> open_;  // indices of unfinished entries
+  double log_row_ = 0;          // ln(2 / p) for a row
   uint32_t look_ = 0, most_looks_ = 1;
   Vectors vectors_ = widestVectors();
 
   // In an entry that geometry bounds, a line that would take more candidates is left open. These entries are small,
   // between slivers side by side. The second limit is for entries that matter more, in a row's sum or as a row's leak.
   static constexpr double kMostCandidates = 100, kMostCandidatesOfSums = 10'000;
+  static constexpr uint32_t kStrataLooks = 3;   // most looks at lines in strata
   static constexpr double kShareOfOpen = 0.01;  // share of a sum's allowed error that such parts may take together
 };
 

@@ -15,7 +15,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kMostEntryLooks = 5;      // most looks at an entry; each has twice the lines of the last
+constexpr uint32_t kMostEntryLooks = 5;  // at uniform lines; from the second on each has twice the lines of the last
+// A look at uniform lines bounds two sides; a look at strata bounds two, and a variance for each. The first look is
+// followed by four more, or by three at strata and the last.
+constexpr double kMostBounds = 2 + 3 * 4 + 2;
+constexpr double kShareByNeed = 0.5;         // part of delta shared by need of lines; the rest is shared evenly
 constexpr double kFewestLines = 16;          // least lines of an entry
 constexpr double kLeastRoundingShare = 0.5;  // least part of epsilon that rounding must leave
 constexpr double kShareOfLines = 0.98;       // part of an entry's error; the rest is for open lines
@@ -95,28 +99,42 @@ void LineGuarantee::planLooks() {
   const bool has_rows = ids_.counts_environment && options_.delta > 0;
   const double drawn = double(std::ranges::count_if(entries_, isDrawn)),
                delta = options_.delta * (has_rows ? 1 - kRowShare : 1);
-  log_entry_ = std::log(2 * std::max(drawn, 1.0) * kMostEntryLooks / delta);
+  double all_needs = 0;
+  for (const Entry& entry : entries_)
+    if (isDrawn(entry)) all_needs += entry.blockable() / entry.allowed;
   log_row_ = std::log(2 * double(ids_.count()) / (kRowShare * options_.delta));
   for (Entry& entry : entries_) {
     const double blockable = entry.blockable();
     ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
     if (entry.part_count == 0) continue;
-    entry.weight = blockable / kFewestLines;
+    entry.weight = entry.first_weight = blockable / kFewestLines;
     if (entry.j == kLeak && !options_.rows) {
       // Its number of lines makes its standard error at most epsilon.
       const double allowed = options_.epsilon * ids_.areas[entry.i];
-      entry.weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
+      entry.weight = entry.first_weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
     if (!isDrawn(entry)) {
       entry.most_candidates = entry.j == kLeak ? kMostCandidatesOfSums : kMostCandidates;
       continue;
     }
-    const double allowed = kShareOfLines * entry.allowed,
-                 last = std::min(entry.weight, hoeffdingWeight(blockable, entry.part_count, allowed, log_entry_)),
-                 first = std::max(last, std::min(entry.weight, allowed / (kFirstLook * log_entry_)));
-    entry.weight = last;
-    entry.looks = std::min(kMostEntryLooks, 1 + static_cast<uint32_t>(std::log2(first / last)));
+    planEntryLooks(entry,
+                   delta * (kShareByNeed * entry.blockable() / entry.allowed / all_needs + (1 - kShareByNeed) / drawn));
   }
+}
+
+// Plans the looks at an entry.    In: chance: probability with which any of its bounds may fail
+void LineGuarantee::planEntryLooks(Entry& entry, double chance) {
+  const double blockable = entry.blockable(), allowed = kShareOfLines * entry.allowed, fewest = entry.weight;
+  double first = 0;
+  for (const double bounds : {2.0, kMostBounds}) {
+    const double l = std::log(bounds / chance);
+    entry.log_chance = l;
+    entry.weight = std::min(fewest, hoeffdingWeight(blockable, entry.part_count, allowed, l));
+    first = entry.first_weight = std::max(entry.weight, std::min(fewest, allowed / (kFirstLook * l)));
+    if (first < 2 * entry.weight) break;  // one look, and a bound on either side
+  }
+  entry.looks = std::min(kMostEntryLooks, 1 + static_cast<uint32_t>(std::log2(first / entry.weight)));
+  if (entry.looks == 1) entry.first_weight = entry.weight;
 }
 
 // Gives first looks so many lines that the bound on each row's sum is epsilon.
@@ -142,8 +160,9 @@ void LineGuarantee::planRows() {
       if (entry.blockable() * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
         entry.most_candidates = std::max(entry.most_candidates, kMostCandidatesOfSums);
     });
-    entry.weight = std::min(entry.weight, most);
-    while (entry.looks > 1 && weightAt(entry, 0) > most) --entry.looks;
+    entry.weight = std::min(entry.weight, most), entry.first_weight = std::min(entry.first_weight, most);
+    while (entry.looks > 1 && weightAt(entry, 1) >= entry.first_weight) --entry.looks;
+    if (entry.looks == 1) entry.weight = entry.first_weight;
   }
 }
 
@@ -151,8 +170,8 @@ void LineGuarantee::planRows() {
 double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
-    const double n = linesOf(entry, look),
-                 bound = entry.blockable() * (std::sqrt(2 * variance * log_entry_ / n) + log_entry_ / (3 * n));
+    const double n = linesOf(entry, look), bound = entry.blockable() * (std::sqrt(2 * variance * entry.log_chance / n) +
+                                                                        entry.log_chance / (3 * n));
     if (bound <= entry.allowed) return n;
   }
   return linesOf(entry, entry.looks - 1);
@@ -176,23 +195,25 @@ void LineGuarantee::predict() {
   std::vector<uint32_t> uncertain;
   double most_uncertain = 0;
   PromiseCost cost(options_.epsilon, scene_.faces.size(), pairs_);
-  const auto add = [&](const Entry& entry, double lines, double candidates, double share, double weight) {
+  const auto add = [&](const Entry& entry, double lines, double candidates, double strata, double share,
+                       double weight) {
     const std::span<const Part> parts(parts_.data() + entry.first_part, entry.part_count);
     std::vector<double> exchanges;
     for (const Part& part : parts) exchanges.push_back(part.exchange);
-    cost.add({exchanges, ids_.smallerArea(entry.i, entry.j), entry.j < kEnvironment, share, lines, candidates}, weight);
-    figures_.expected_lines += weight * lines;
+    cost.add({exchanges, ids_.smallerArea(entry.i, entry.j), entry.j < kEnvironment, share, lines, candidates, strata},
+             weight);
+    figures_.expected_lines += weight * (lines + strata);
   };
   for (uint32_t k = 0; k < entries_.size(); ++k) {
     const Entry& entry = entries_[k];
     if (entry.part_count == 0) continue;
     const double most = linesOf(entry, entry.looks - 1);
-    figures_.most_lines += most;
-    most_looks_ = std::max(most_looks_, entry.looks);
+    figures_.most_lines += most + mostStrata(entry);
+    most_looks_ = std::max(most_looks_, entry.looks == 1 ? 1 : std::max(entry.looks, 2 + kStrataLooks));
     if (most > figures_.most_for_one)
       figures_.most_for_one = most, figures_.neediest = {ids_.names[entry.i], nameOf(entry.j)};
     // An estimate would draw this least number of lines, too.
-    if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0.5, 1);
+    if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
   // Pilots are for entries at equal distances along the running sum of most lines.
@@ -210,8 +231,11 @@ void LineGuarantee::predict() {
   for (size_t k = 0; k < pilots.size(); ++k) {
     const Entry& entry = entries_[pilots[k].first];
     const UniformLineCount& count = counts[k];
-    const double share = (double(count.facing) + 1) / (double(count.lines) + 2), lines = expectedLines(entry, share);
-    add(entry, lines, lines * double(count.candidates) / double(count.lines), share, pilots[k].second);
+    const double share = (double(count.facing) + 1) / (double(count.lines) + 2), all = expectedLines(entry, share),
+                 candidates = double(count.candidates) / double(count.lines), first = linesOf(entry, 0),
+                 strata = all > first ? worthStrata(entry, share, all, candidates) : 0,
+                 lines = strata > 0 ? first : all;
+    add(entry, lines, lines * candidates, strata, share, pilots[k].second);
   }
   figures_.cost = cost.ofPromise(), figures_.estimate_cost = cost.ofEstimate();
 }

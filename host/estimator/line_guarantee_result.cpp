@@ -126,7 +126,10 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
   for (const Entry& entry : entries_) {
     entries.push_back({entry.i, entry.j, {entry.value, entry.standard_error}});
     estimate.line_pairs += entry.part_count > 0;
-    for (uint32_t k = 0; k < entry.part_count; ++k) estimate.lines += parts_[entry.first_part + k].count.lines;
+    for (uint32_t k = 0; k < entry.part_count; ++k) {
+      const Part& part = parts_[entry.first_part + k];
+      estimate.lines += part.count.lines + part.strata_lines;
+    }
     if (entry.j == kLeak) continue;
     const double off = std::max(entry.interval.upper - entry.value, entry.value - entry.interval.lower);
     guarantee.bound = std::max(guarantee.bound, off / ids_.smallerArea(entry.i, entry.j));

@@ -12,7 +12,7 @@ namespace {
 // These costs were measured, in seconds of one thread.
 constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // to test two faces, and for two that may see each other
 constexpr double kEstimateLine = 30e-9, kEstimatePart = 4e-6;
-constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6;
+constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6, kStrataLine = 18e-9;
 constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
 
 // Returns the lines that an estimate draws for a part, pilots included (PairLines::plan).
@@ -41,7 +41,8 @@ void PromiseCost::add(const EntryLines& entry, double weight) {
   for (const double exchange : entry.exchanges)
     lines += estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
   estimate_s_ += weight * (lines * kEstimateLine + parts * kEstimatePart);
-  promise_s_ += weight * (entry.lines * kPromiseLine + entry.candidates * kCandidate + parts * kPromisePart);
+  promise_s_ += weight * (entry.lines * kPromiseLine + entry.candidates * kCandidate + entry.strata * kStrataLine +
+                          parts * kPromisePart);
 }
 
 }  // namespace viewpeel

@@ -16,7 +16,7 @@ struct EntryLines {
   double smaller_area;                // of its ids, in the same unit
   bool is_pair;                       // whether it is between two ids, or else leak
   double share;                       // estimated share of its lines that nothing blocks
-  double lines, candidates;           // expected numbers
+  double lines, candidates, strata;   // expected numbers; strata: lines in strata
 };
 
 class PromiseCost {

@@ -247,16 +247,25 @@ std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
   return found;
 }
 
+UniformLines PairLines::uniformLinesOf(const PatchPair& part) const {
+  return {finder_.patches()[part.a], finder_.patches()[part.b], part.exchange, finder_.blockers(),
+          std::span(parts_.between).subspan(part.first_blocker, part.blocker_count)};
+}
+
+uint64_t PairLines::streamOf(const PatchPair& part, uint64_t series) const {
+  Hash stream;
+  for (const uint64_t number :
+       {seed_, uint64_t(finder_.patches()[part.a].side), uint64_t(finder_.patches()[part.b].side), series})
+    stream.add(number);
+  return stream.value();
+}
+
 UniformLineCount PairLines::drawUniform(uint32_t index, uint64_t series, uint64_t lines, double most_candidates,
                                         Vectors vectors) const {
   const PatchPair& part = parts_.pairs[index];
-  const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
-  Hash stream;
-  for (const uint64_t number : {seed_, uint64_t(a.side), uint64_t(b.side), series}) stream.add(number);
-  const UniformLines drawn(a, b, part.exchange, finder_.blockers(),
-                           {&parts_.between[part.first_blocker], part.blocker_count});
+  const UniformLines drawn = uniformLinesOf(part);
   if (drawn.efficiency() * most_candidates < 1) return {.lines = lines, .open = lines};
-  return drawn.draw(stream.value(), lines, vectors);
+  return drawn.draw(streamOf(part, series), lines, vectors);
 }
 
 double PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vectors) const {
@@ -283,6 +292,26 @@ void PairLines::drawUniformHere(std::span<UniformTask> tasks) const {
 
 void PairLines::drawUniform(std::span<UniformTask> tasks) const {
   crew_ ? drawUniformOnRanks(tasks) : drawUniformHere(tasks);
+}
+
+void PairLines::drawStrataHere(std::span<StrataTask> tasks) const {
+  const Vectors vectors = widestVectors();
+  shareOut(
+      threads_, tasks.size(), 1,
+      [&](size_t, size_t k) {
+        StrataTask& task = tasks[k];
+        if (task.cells == 0) return;
+        const PatchPair& part = parts_.pairs[task.part];
+        const UniformLines lines = uniformLinesOf(part);
+        task.sums = lines.drawStrata(streamOf(part, task.series), task.cells, task.share, vectors);
+        task.efficiency = lines.efficiency(), task.error = lines.strataError();
+      },
+      [&](size_t) { stopIfRequested(); });
+}
+
+void PairLines::drawStrata(std::span<StrataTask> tasks) const {
+  if (tasks.empty()) return;
+  crew_ ? drawStrataOnRanks(tasks) : drawStrataHere(tasks);
 }
 
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {

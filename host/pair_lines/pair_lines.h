@@ -43,6 +43,17 @@ struct UniformTask {
   UniformLineCount count = {};
 };
 
+// A StrataTask asks for lines in strata of one part of a pair.
+struct StrataTask {
+  uint32_t part;          // PairLines::Part::index
+  float share;            // of facing lines, as UniformLines::drawStrata
+  uint64_t series;        // different ones are independent
+  uint64_t cells;         // wanted; 0: nothing is drawn
+  StrataSums sums{};      // drawn
+  double efficiency = 0;  // the expected mean of x is this times (visibility - share)
+  double error = 0;       // bound on the rounding of this mean
+};
+
 class PairLines {
  public:
   // Prepares patches and blockers; find() does the search.
@@ -93,6 +104,8 @@ class PairLines {
   double guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
   // Draws the lines of all tasks, and adds them to their counts.
   void drawUniform(std::span<UniformTask> tasks) const;
+  // Draws the lines of all tasks, and sets their sums.
+  void drawStrata(std::span<StrataTask> tasks) const;
   size_t threads() const { return threads_; }
   void stopIfRequested() const {
     if (stop_) stop_();
@@ -103,6 +116,8 @@ class PairLines {
     uint32_t first, count;  // of parts_
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks, Vectors vectors) const;
+  UniformLines uniformLinesOf(const PatchPair& part) const;
+  uint64_t streamOf(const PatchPair& part, uint64_t series) const;
   LineTask taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const;
   template <class DrawnOf>
   LineCount combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const;
@@ -116,11 +131,13 @@ class PairLines {
   LineCounts countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
                        std::span<const uint32_t> times);
   void drawUniformHere(std::span<UniformTask> tasks) const;
+  void drawStrataHere(std::span<StrataTask> tasks) const;
   // Defined in ranked_lines.cpp: the same, with the other ranks.
   std::vector<LinePair> findOnRanks(double least_form_factor);
   void planOnRanks(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   LineCounts countOnRanks(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times);
   void drawUniformOnRanks(std::span<UniformTask> tasks) const;
+  void drawStrataOnRanks(std::span<StrataTask> tasks) const;
   uint64_t hashOfParts() const;
   friend class LineServer;
   void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);

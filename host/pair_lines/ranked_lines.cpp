@@ -135,6 +135,23 @@ void PairLines::drawUniformOnRanks(std::span<UniformTask> tasks) const {
     std::ranges::copy(MessageReader(answers[rank - 1]).getAll<UniformTask>(), partOf(tasks, cuts, rank).begin());
 }
 
+void PairLines::drawStrataOnRanks(std::span<StrataTask> tasks) const {
+  std::vector<double> costs;
+  for (const StrataTask& task : tasks)
+    costs.push_back((double(task.cells) + 1) * (1 + parts_.pairs[task.part].blocker_count));
+  const std::vector<size_t> cuts = crew_->cut(costs);
+  const std::vector<std::string> answers = crew_->share(
+      [&](uint32_t rank) {
+        return MessageWriter()
+            .put(RankWork::draw_strata)
+            .putAll(std::span<const StrataTask>(partOf(tasks, cuts, rank)))
+            .take();
+      },
+      [&] { drawStrataHere(partOf(tasks, cuts, 0)); });
+  for (uint32_t rank = 1; rank < crew_->size(); ++rank)
+    std::ranges::copy(MessageReader(answers[rank - 1]).getAll<StrataTask>(), partOf(tasks, cuts, rank).begin());
+}
+
 LineServer::LineServer(const Scene& scene, size_t threads, std::function<void()> stop,
                        std::function<const Device*()> device)
     : scene_(scene), threads_(threads), stop_(std::move(stop)), device_(std::move(device)) {}
@@ -144,6 +161,7 @@ std::string LineServer::answer(RankWork work, MessageReader& in) {
   if (!lines_) throw Error(ErrorCode::limit, "rank 0 asked for lines of pairs that were not found");
   if (work == RankWork::plan_lines) return plan(in);
   if (work == RankWork::take_pairs) return takePairs(in);
+  if (work == RankWork::draw_strata) return drawStrata(in);
   return work == RankWork::count_lines ? count(in) : drawUniform(in);
 }
 
@@ -191,6 +209,12 @@ std::string LineServer::count(MessageReader& in) {
 std::string LineServer::drawUniform(MessageReader& in) {
   std::vector<UniformTask> tasks = in.getAll<UniformTask>();
   lines_->drawUniformHere(tasks);
+  return MessageWriter().putAll(tasks).take();
+}
+
+std::string LineServer::drawStrata(MessageReader& in) {
+  std::vector<StrataTask> tasks = in.getAll<StrataTask>();
+  lines_->drawStrataHere(tasks);
   return MessageWriter().putAll(tasks).take();
 }
 

@@ -26,6 +26,7 @@ class LineServer {
   std::string takePairs(MessageReader& in);
   std::string count(MessageReader& in);
   std::string drawUniform(MessageReader& in);
+  std::string drawStrata(MessageReader& in);
 
   const Scene& scene_;
   size_t threads_;

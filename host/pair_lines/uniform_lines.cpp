@@ -6,8 +6,7 @@
 
 #include <glm/glm.hpp>
 
-#include "hash.h"
-#include "pair_lines/lanes.h"
+#include "pair_lines/line_candidates.h"
 
 namespace viewpeel {
 namespace {
@@ -20,143 +19,9 @@ constexpr double kPlaceUlps = 64;
 constexpr double kUlp[] = {0x1p-24, 0x1p-53};
 // Below this square of the cosine, sqrt(1 - x^2 - y^2) loses more than kPlaceUlps.
 constexpr double kLeastCosine2[] = {1.0 / 64, 1e-8};
-constexpr float kLeastSlope = 1e-18f;  // least slope that is divided by, so that nothing overflows
 // More candidates than this multiple of their expected number show that the exchange area is wrong.
 constexpr double kMostCandidates = 64;
 constexpr uint64_t kFreeCandidates = 1 << 10;
-
-// Generators are sixteen generators xoshiro128++ side by side (D. Blackman, S. Vigna, Scrambled linear pseudorandom
-// number generators, ACM Trans. Math. Softw. 47, 2021).
-struct Generators {
-  Words state[4];
-
-  explicit Generators(uint64_t stream) {
-    uint32_t words[4][kLineLanes];
-    for (int lane = 0; lane < kLineLanes; ++lane)
-      for (int half = 0; half < 2; ++half) {
-        Hash hash;
-        hash.add(stream);
-        hash.add(uint64_t(2 * lane + half));
-        for (int round = 0; round < 3; ++round) hash.add(uint64_t(round));
-        words[2 * half][lane] = static_cast<uint32_t>(hash.value() >> 32);
-        words[2 * half + 1][lane] = static_cast<uint32_t>(hash.value()) | 1u;  // the state must not be 0
-      }
-    for (int k = 0; k < 4; ++k) state[k] = load<Words>(words[k]);
-  }
-
-  VIEWPEEL_INLINE static Words rotate(const Words& x, int by) { return (x << by) | (x >> (32 - by)); }
-
-  VIEWPEEL_INLINE Words next() {
-    const Words result = rotate(state[0] + state[3], 7) + state[0], shifted = state[1] << 9;
-    state[2] ^= state[0], state[3] ^= state[1], state[1] ^= state[2], state[0] ^= state[3];
-    state[2] ^= shifted;
-    state[3] = rotate(state[3], 11);
-    return result;
-  }
-};
-
-constexpr int kNumbers = 5;  // random numbers that a candidate takes
-
-// Candidates are sixteen candidates for lines, or one, with bounds that say how surely they are lines of the pair.
-template <class Lanes>
-struct Candidates {
-  LaneVector<Lanes> p, d, q;     // each runs from p along d and arrives at q
-  Lanes arrival, arrival_error;  // q = p + arrival d
-  // A candidate is surely a line of the pair where `inside` is above 0, and surely none where `outside` is below 0.
-  Lanes inside, outside;
-};
-
-template <class Lanes>
-VIEWPEEL_INLINE void require(Candidates<Lanes>& lines, const Lanes& above_0, const Lanes& error) {
-  lines.inside = least(lines.inside, above_0 - error), lines.outside = least(lines.outside, above_0 + error);
-}
-
-VIEWPEEL_INLINE Floats filled(float x, const Floats&) { return all(x); }
-VIEWPEEL_INLINE double filled(double x, double) { return x; }
-VIEWPEEL_INLINE Floats sizeOf(const Floats& x) { return x < 0.0f ? -x : x; }
-VIEWPEEL_INLINE double sizeOf(double x) { return x < 0 ? -x : x; }
-VIEWPEEL_INLINE Floats rootOf(Floats x) {
-  for (int lane = 0; lane < kLineLanes; ++lane) x[lane] = __builtin_sqrtf(x[lane]);
-  return x;
-}
-VIEWPEEL_INLINE double rootOf(double x) { return __builtin_sqrt(x); }
-
-template <class Geometry, class Lanes>
-VIEWPEEL_INLINE Candidates<Lanes> drawPoints(const Geometry& of, const Lanes* u) {
-  Candidates<Lanes> lines;
-  Lanes density_p, density_q;
-  lines.p = pointOn(of.first, u[0], u[1], density_p);
-  lines.q = pointOn(of.second, u[2], u[3], density_q);
-  lines.d = {lines.q.x - lines.p.x, lines.q.y - lines.p.y, lines.q.z - lines.p.z};
-  lines.arrival = filled(1, u[0]), lines.arrival_error = filled(0, u[0]);
-  const Lanes out = dot(of.first.normal, lines.d), in = -dot(of.second.normal, lines.d), square = dot(lines.d, lines.d),
-              weight = (out * in) / (square * square) * (density_p * density_q) * of.scale;
-  lines.inside = lines.outside = filled(1, u[0]);
-  require(lines, out, filled(of.place_error, u[0]));
-  require(lines, in, filled(of.place_error, u[0]));
-  require(lines, weight - u[4], filled(of.weight_error, u[0]));
-  return lines;
-}
-
-template <class Geometry, class Lanes>
-VIEWPEEL_INLINE Candidates<Lanes> drawDirections(const Geometry& of, const Lanes* u) {
-  Candidates<Lanes> lines;
-  Lanes density;
-  lines.p = pointOn(of.first, u[0], u[1], density);
-  // The direction is uniform in the disk below the hemisphere, by W. Nusselt's projection (1928).
-  const Lanes x = 2.0f * u[2] - 1.0f, y = 2.0f * u[3] - 1.0f, cosine2 = 1.0f - x * x - y * y,
-              z = rootOf(greatest(cosine2, filled(of.least_cosine2, x)));
-  const auto along = [&](int axis) __attribute__((always_inline)) {
-    return x * of.axes[0][axis] + y * of.axes[1][axis] + z * of.axes[2][axis];
-  };
-  lines.d = {along(0), along(1), along(2)};
-  const Lanes height = dot(of.second.normal, lines.p) - of.second.offset, slope = -dot(of.second.normal, lines.d),
-              inverse = 1.0f / greatest(slope, filled(kLeastSlope, x));
-  lines.arrival = height * inverse;
-  lines.arrival_error = of.place_error * (1.0f + sizeOf(lines.arrival)) * inverse;
-  lines.q = {lines.p.x + lines.arrival * lines.d.x, lines.p.y + lines.arrival * lines.d.y,
-             lines.p.z + lines.arrival * lines.d.z};
-  lines.inside = lines.outside = filled(1, x);
-  require(lines, height, filled(of.place_error, x));
-  require(lines, slope, filled(of.place_error, x));
-  require(lines, density * of.scale - u[4], filled(of.weight_error, x));
-  require(lines, -beyond(of.second.edges, of.second.edge_count, lines.q),
-          of.place_error + of.reach * lines.arrival_error);
-  // Near the disk's rim z is not accurate, so the candidate is undecided.
-  lines.inside = cosine2 > of.least_cosine2 ? lines.inside : filled(-1, x);
-  lines.outside = cosine2 > of.least_cosine2 ? lines.outside : cosine2 + of.least_cosine2;
-  return lines;
-}
-
-template <class Geometry, class Lanes>
-VIEWPEEL_INLINE Candidates<Lanes> drawContacts(const Geometry& of, const Lanes* u) {
-  Candidates<Lanes> lines;
-  Lanes density;
-  lines.p = lines.q = pointOn(of.first, u[0], u[1], density);
-  lines.d = LaneVector<Lanes>{};
-  lines.arrival = lines.arrival_error = filled(0, u[0]);
-  lines.inside = lines.outside = filled(1, u[0]);
-  require(lines, density * of.scale - u[4], filled(of.weight_error, u[0]));
-  require(lines, -beyond(of.second.edges, of.second.edge_count, lines.p), filled(of.place_error, u[0]));
-  return lines;
-}
-
-// Returns how far lines pass beyond a blocker.    Out: above `error` where a line surely passes; below -error where it
-// surely does not
-template <class Number, class Geometry, class Lanes>
-VIEWPEEL_INLINE Lanes passing(const Obstacle<Number>& by, const Geometry& of, const Candidates<Lanes>& lines,
-                              Lanes& error) {
-  if (by.place != BlockerPlace::between) {
-    error = of.place_error + of.reach * lines.arrival_error;
-    return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
-  }
-  const Lanes at_p = dot(by.plane, lines.p) + by.plane[3], tilt = dot(by.plane, lines.d),
-              tiny = filled(kLeastSlope, tilt), slope = sizeOf(tilt) < tiny ? tiny : tilt, inverse = 1.0f / slope,
-              t = -at_p * inverse;
-  const LaneVector<Lanes> x{lines.p.x + t * lines.d.x, lines.p.y + t * lines.d.y, lines.p.z + t * lines.d.z};
-  error = of.place_error * (1.0f + of.reach * (1.0f + sizeOf(t)) * sizeOf(inverse)) + of.reach * lines.arrival_error;
-  return greatest(of.reach * greatest(-t, t - lines.arrival), beyond(by.edges, by.edge_count, x));
-}
 
 dvec3 anyAcross(const dvec3& n) {
   const dvec3 size = glm::abs(n);
@@ -218,6 +83,7 @@ UniformLines::UniformLines(const Patch& a, const Patch& b, double exchange, cons
   const bool is_swapped = b.area < a.area;
   const Patch &small = is_swapped ? b : a, &large = is_swapped ? a : b;
   chooseWay(small, large, exchange);
+  setLengths(small, large);
   fast_ = makeGeometry<float>(small, large, blockers, between, is_swapped);
   accurate_ = makeGeometry<double>(small, large, blockers, between, is_swapped);
 }
@@ -226,15 +92,56 @@ UniformLines::UniformLines(const Patch& a, const Patch& b, double exchange, cons
 void UniformLines::chooseWay(const Patch& small, const Patch& large, double exchange) {
   const double density = mostDensity(makeLineEnd<double>(small, small.middle, true));
   if (small.plane == large.plane) {
-    way_ = Way::contact, most_ = density, efficiency_ = exchange / density;
+    way_ = UniformWay::contact, most_ = density, efficiency_ = exchange / density;
     return;
   }
-  way_ = Way::directions, most_ = density, efficiency_ = std::numbers::pi / 4 * exchange / density;
-  const double r = leastDistance(small, large), out = mostInFront(large, small) / r, in = mostInFront(small, large) / r,
+  const double r = leastDistance(small, large);
+  frameDisk(small, large, r);
+  const double framed = (double(disk_.high[0]) - double(disk_.low[0])) * (double(disk_.high[1]) - double(disk_.low[1]));
+  way_ = UniformWay::directions, most_ = density, efficiency_ = std::numbers::pi * exchange / (framed * density);
+  const double out = mostInFront(large, small) / r, in = mostInFront(small, large) / r,
                most = std::min(1.0, out) * std::min(1.0, in) / (r * r) * density *
                       mostDensity(makeLineEnd<double>(large, small.middle, true));
   if (const double efficiency = std::numbers::pi * exchange / most; r > 0 && efficiency > efficiency_)
-    way_ = Way::points, most_ = most, efficiency_ = efficiency;
+    way_ = UniformWay::points, most_ = most, efficiency_ = efficiency;
+}
+
+// Sets the part of the disk below the hemisphere that directions from the first patch to the second may lie in. One
+// axis runs along the fold of the two planes, so that a wall beside a floor takes at most half of the disk.
+void UniformLines::frameDisk(const Patch& small, const Patch& large, double least_distance) {
+  constexpr double kParallel = 1e-3, kMargin = 1e-6;
+  const dvec3 fold = glm::cross(small.normal, large.normal);
+  const double sine = glm::length(fold);
+  disk_.axes[0] =
+      sine > kParallel ? glm::normalize(fold - glm::dot(fold, small.normal) * small.normal) : anyAcross(small.normal);
+  disk_.axes[1] = glm::cross(small.normal, disk_.axes[0]);
+  for (int axis = 0; axis < 2; ++axis) {
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t k = 0; k < small.corner_count; ++k)
+      for (uint32_t m = 0; m < large.corner_count; ++m) {
+        const double along = glm::dot(large.corners[m] - small.corners[k], disk_.axes[axis]);
+        low = std::min(low, along), high = std::max(high, along);
+      }
+    // A line is no shorter than the least distance; the shorter it is, the larger its part along the axis.
+    const auto partOf = [&](double along) { return along / std::max(least_distance, std::abs(along)); };
+    disk_.low[axis] = static_cast<float>(std::max(-1.0, std::min(0.0, partOf(low)) - kMargin));
+    disk_.high[axis] = static_cast<float>(std::min(1.0, std::max(0.0, partOf(high)) + kMargin));
+  }
+}
+
+// Sets the distances over which the four numbers of a candidate move a line, for strata.
+void UniformLines::setLengths(const Patch& small, const Patch& large) {
+  const LineEnd<double> first = makeLineEnd<double>(small, small.middle, true),
+                        second = makeLineEnd<double>(large, small.middle, true);
+  const auto lengthOf = [](const double* side) { return std::hypot(side[0], side[1], side[2]); };
+  lengths_[0] = lengthOf(first.side_a), lengths_[1] = lengthOf(first.side_b);
+  if (way_ == UniformWay::contact) return;
+  // Directions that differ end farther apart on longer lines.
+  const double height = std::abs(glm::dot(large.normal, small.middle) - large.offset),
+               reach = std::min(2 * height, std::max(glm::length(large.middle - small.middle), std::sqrt(large.area)));
+  const auto acrossDisk = [&](int axis) { return reach * double(disk_.high[axis] - disk_.low[axis]); };
+  lengths_[2] = way_ == UniformWay::points ? lengthOf(second.side_a) : acrossDisk(0);
+  lengths_[3] = way_ == UniformWay::points ? lengthOf(second.side_b) : acrossDisk(1);
 }
 
 template <class Number>
@@ -250,19 +157,23 @@ UniformLines::Geometry<Number> UniformLines::makeGeometry(const Patch& small, co
   double farthest = 0;
   for (const Patch* patch : {&small, &large})
     for (const dvec3& corner : patch->corners) farthest = std::max(farthest, glm::length(corner - origin));
-  const double ulp = kUlp[kIsDouble], reach = way_ == Way::points ? 2 * farthest : farthest,
+  const double ulp = kUlp[kIsDouble], reach = way_ == UniformWay::points ? 2 * farthest : farthest,
                place_error = kPlaceUlps * ulp * farthest;
   of.reach = static_cast<Number>(reach);
   of.scale = static_cast<Number>(1 / most_);
   of.place_error = static_cast<Number>(place_error);
   of.weight_error = static_cast<Number>(kPlaceUlps * ulp);
   of.least_cosine2 = static_cast<Number>(kLeastCosine2[kIsDouble]);
-  if (way_ == Way::points) {
+  if (way_ == UniformWay::points) {
     // An error of place_error in cosines and distance changes a weight by this share of the largest weight.
     const double r = leastDistance(small, large), densities = mostDensity(of.first) * mostDensity(of.second);
     of.weight_error += static_cast<Number>(6 * place_error / (r * r * r) * densities / most_);
   }
-  const dvec3 across = anyAcross(small.normal), axes[3] = {across, glm::cross(small.normal, across), small.normal};
+  for (int axis = 0; axis < 2; ++axis) {
+    of.disk_low[axis] = disk_.low[axis];
+    of.disk_size[axis] = static_cast<Number>(double(disk_.high[axis]) - double(disk_.low[axis]));
+  }
+  const dvec3 axes[3] = {disk_.axes[0], disk_.axes[1], small.normal};
   for (int k = 0; k < 3; ++k)
     for (int axis = 0; axis < 3; ++axis) of.axes[k][axis] = static_cast<Number>(reach * axes[k][axis]);
   return of;
@@ -278,14 +189,9 @@ UniformLineCount UniformLines::draw(uint64_t stream, uint64_t lines, Vectors vec
 // Decides about one candidate in double precision, with more digits of its random numbers.
 UniformLineCount UniformLines::decide(const uint32_t* words) const {
   double u[kNumbers];
-  for (int d = 0; d < kNumbers; ++d) {
-    Hash hash;
-    for (int k = 0; k < kNumbers; ++k) hash.add(words[(d + k) % kNumbers]);
-    u[d] = (words[d] + double(hash.value() >> 11) * 0x1p-53) * 0x1p-32;
-  }
-  const Candidates<double> line = way_ == Way::points       ? drawPoints(accurate_, u)
-                                  : way_ == Way::directions ? drawDirections(accurate_, u)
-                                                            : drawContacts(accurate_, u);
+  for (int d = 0; d < kNumbers; ++d) u[d] = withFurtherDigits(words, d);
+  Candidates<double> line = drawCandidate(way_, accurate_, u);
+  require(line, line.weight - u[kNumbers - 1], accurate_.weight_error);
   UniformLineCount count;
   if (!(line.inside > 0)) return count;  // undecided candidates are dropped, too: 1e-8 of all
   count.lines = 1;
@@ -318,7 +224,8 @@ struct UniformLines::Waiting {
   }
   VIEWPEEL_INLINE Candidates<Floats> first() const {
     const auto at = [&](int k) __attribute__((always_inline)) { return load<Floats>(figures[k]); };
-    return {{at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}, at(9), at(10), at(11), Floats{}};
+    return {
+        {at(0), at(1), at(2)}, {at(3), at(4), at(5)}, {at(6), at(7), at(8)}, at(9), at(10), at(11), Floats{}, Floats{}};
   }
   VIEWPEEL_INLINE void removeFirst(int removed) {
     for (auto& figure : figures) std::copy(figure + removed, figure + count, figure);
@@ -372,11 +279,10 @@ struct UniformLines::Waiting {
       Floats u[kNumbers];
       for (int d = 0; d < kNumbers; ++d) {
         words[d] = generators.next();
-        u[d] = __builtin_convertvector((Integers)(words[d] >> 8), Floats) * 0x1p-24f;
+        u[d] = unitNumber(words[d]);
       }
-      const Candidates<Floats> candidates = way_ == Way::points       ? drawPoints(fast_, u)
-                                            : way_ == Way::directions ? drawDirections(fast_, u)
-                                                                      : drawContacts(fast_, u);
+      Candidates<Floats> candidates = drawCandidate(way_, fast_, u);
+      require(candidates, candidates.weight - u[kNumbers - 1], all(fast_.weight_error));
       for (int lane = 0; lane < kLineLanes; ++lane)
         if (!(candidates.outside[lane] < 0)) waiting.add(candidates, words, lane);
     }

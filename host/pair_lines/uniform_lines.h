@@ -31,6 +31,20 @@ struct UniformLineCount {
   }
 };
 
+struct Generators;
+
+// StrataSums hold sums over cells with two lines each. A line has x = w (v - s). Here w is its weight over the largest
+// weight, v is 1 if nothing blocks it or else 0, and s is a number that the caller chooses.
+struct StrataSums {
+  uint64_t cells = 0;
+  double low = 0, high = 0;                  // sums of x, with open lines taken for blocked, and for facing
+  double low_squares = 0, high_squares = 0;  // sums of (x1 - x2)^2 over the two lines of a cell, as low and high
+  uint64_t open = 0;                         // lines of which rounding does not tell
+};
+
+// UniformWay says how candidates are drawn (above).
+enum class UniformWay : uint8_t { points, directions, contact };
+
 // Returns a lower bound on the distance of two patches, mostly a few per cent below it; 0 where they touch.
 double leastDistance(const Patch& a, const Patch& b);
 
@@ -51,32 +65,58 @@ class UniformLines {
   //   Cost: some 5 ns a candidate, and as much for every few blockers. Tests: tests/unit/uniform_lines_test.cpp.
   UniformLineCount draw(uint64_t stream, uint64_t lines, Vectors vectors) const;
 
+  // Draws lines in strata: the numbers of a candidate are cut into cells of equal chance. Each cell has two candidates,
+  // which are kept with their weights.
+  //   In: stream: as for draw(); cells: wanted number; share: s of StrataSums, in [0, 1]
+  //   Out: at most a tenth more cells than wanted, at most kMostCells; the mean of x has the expectation efficiency()
+  //   times (visibility - share)
+  //   Cost: some 10 ns a line. Tests: tests/unit/strata_lines_test.cpp.
+  StrataSums drawStrata(uint64_t stream, uint64_t cells, float share, Vectors vectors) const;
+  // Returns a bound on the rounding of the mean of x.
+  double strataError() const;
+  static constexpr uint64_t kMostCells = 1 << 20;  // single precision can number these
+
  private:
-  enum class Way : uint8_t { points, directions, contact };
   // A Geometry holds the patches and obstacles in one precision.
   template <class Number>
   struct Geometry {
     LineEnd<Number> first, second;
     std::vector<Obstacle<Number>> obstacles;
-    Number axes[3][3];     // two axes of the first patch's plane and its normal, each `reach` long
-    Number reach;          // longest line of the pair
-    Number scale;          // factor of weights that makes the largest 1
-    Number place_error;    // rounding of places, that of random numbers included
-    Number weight_error;   // rounding of weights
-    Number least_cosine2;  // square of the cosine below which a direction is not accurate
+    Number disk_low[2], disk_size[2];  // of Disk, along the first two axes
+    Number axes[3][3];                 // two axes of the first patch's plane and its normal, each `reach` long
+    Number reach;                      // longest line of the pair
+    Number scale;                      // factor of weights that makes the largest 1
+    Number place_error;                // rounding of places, that of random numbers included
+    Number weight_error;               // rounding of weights
+    Number least_cosine2;              // square of the cosine below which a direction is not accurate
   };
   template <class Number>
   Geometry<Number> makeGeometry(const Patch& small, const Patch& large, const std::vector<Blocker>& blockers,
                                 std::span<const PlacedBlocker> between, bool is_swapped) const;
   void chooseWay(const Patch& small, const Patch& large, double exchange);
+  void frameDisk(const Patch& small, const Patch& large, double least_distance);
+  void setLengths(const Patch& small, const Patch& large);
   struct Waiting;
   void test(const Waiting& waiting, uint64_t lines, UniformLineCount& sum) const;
   UniformLineCount drawAll(uint64_t stream, uint64_t lines) const;
   UniformLineCount decide(const uint32_t* words) const;
+  struct XRange;
+  struct Cells;
+  struct StrataLines;
+  Cells cellsOf(uint64_t cells) const;
+  StrataLines drawInCells(const Cells& cells, const Floats* at, Generators& generators, float share) const;
+  XRange decideInCell(const uint32_t* words, const double* at, const Cells& cells, double share) const;
+  StrataSums drawAllStrata(uint64_t stream, const Cells& cells, float share) const;
 
-  Way way_ = Way::contact;
+  UniformWay way_ = UniformWay::contact;
   double most_ = 0;  // largest weight
   double efficiency_ = 0;
+  // The part of the disk below the hemisphere that directions are drawn in.
+  struct Disk {
+    glm::dvec3 axes[2]{};
+    float low[2], high[2];
+  } disk_{};
+  double lengths_[4] = {};  // distances over which each number of a candidate moves a line, about
   Geometry<float> fast_;
   Geometry<double> accurate_;
 };

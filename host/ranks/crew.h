@@ -25,6 +25,7 @@ enum class RankWork : uint8_t {
   take_pairs,    // plans of all pairs -> nothing
   count_lines,   // replicate, a range of pairs -> counts
   draw_uniform,  // tasks -> the same, done
+  draw_strata,   // tasks -> the same, done
   close_engine,
   stop,
   end,

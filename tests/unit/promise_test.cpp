@@ -174,5 +174,41 @@ TEST(Promise, IsNotMadeBelowRounding) {
   EXPECT_LE(exact.guarantee->bound, 1e-12);
 }
 
+// Planted fault: after the plan the first part of the lines fails as lines do that rounding leaves open. A promise that
+// was made by default goes on as an estimate and says why. One that the request insists on ends with the error.
+TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
+  const Scene scene = street();
+  Request request = toleranceOf(1e-2);
+  bool is_planned = false;
+  int asked = 0;
+  Observer observer;
+  observer.should_stop = [&] {
+    if (is_planned && asked++ == 0) throw Error(ErrorCode::limit, "rounding leaves planted lines open");
+    return false;
+  };
+  FormFactorRun run(scene, request, observer);
+  ASSERT_TRUE(run.makePlan().line_guarantee);
+  is_planned = true;
+  while (!run.isDone()) run.step();
+  const Result result = run.result();
+  EXPECT_GT(asked, 1);
+  EXPECT_FALSE(result.guarantee);
+  EXPECT_FALSE(result.form_factors.hasIntervals());
+  EXPECT_TRUE(result.goal_reached);
+  EXPECT_EQ(result.plan.no_promise, "rounding leaves planted lines open");
+  // It is the estimate that the same request without a promise gives, bit for bit.
+  request.promise = false;
+  const FormFactors expected = computeFormFactors(scene, request).form_factors;
+  ASSERT_EQ(result.form_factors.entries().size(), expected.entries().size());
+  for (size_t k = 0; k < expected.entries().size(); ++k)
+    EXPECT_EQ(result.form_factors.entries()[k].exchange_area.value, expected.entries()[k].exchange_area.value);
+  request.promise = true;
+  is_planned = false, asked = 0;
+  FormFactorRun insisting(scene, request, observer);
+  insisting.makePlan();
+  is_planned = true;
+  EXPECT_THROW(insisting.step(), Error);
+}
+
 }  // namespace
 }  // namespace viewpeel
