@@ -61,6 +61,17 @@ TEST(Promise, IntervalsAreWithinTheTolerance) {
   EXPECT_EQ(office.environment_share, 0);
 }
 
+// The office at this epsilon draws lines in strata beside uniform lines. The plan's largest number holds for both.
+TEST(Promise, DrawsAtMostTheLinesThatThePlanStates) {
+  Request request = toleranceOf(1e-3);
+  request.goal = EpsilonDelta{2e-3};
+  const Result office = computeFormFactors(loadScene(VIEWPEEL_SCENES "/office.obj"), request);
+  expectKept(office, 2e-3);
+  ASSERT_TRUE(office.plan.line_guarantee);
+  EXPECT_GT(office.lines, 0u);
+  EXPECT_LE(double(office.lines), office.plan.line_guarantee->most_lines);
+}
+
 // Each of 20 seeds may fail with probability 0.01, so more than 4 failures occur once in 40,000 runs of this test. The
 // truth is an estimate with a twentieth of the tolerance.
 TEST(Promise, HoldsTheTruth) {
