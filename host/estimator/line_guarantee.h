@@ -46,7 +46,8 @@ class LineGuarantee {
 
   const LineGuaranteeFigures& figures() const { return figures_; }
   // Predicts the times of figures().
-  //   Error: all lines count as uniform ones, though lines in strata take less time than these    Cost: some 100,000 lines.
+  //   Error: all lines count as uniform lines, though lines in strata take less time
+  //   Cost: some 100,000 lines.
   void measureSeconds();
   uint64_t lookCount() const { return look_; }
   // Returns the largest number of looks that may be needed.
