@@ -8,8 +8,8 @@
 
 namespace viewpeel {
 
-// A leak of more than this share of all rows' lines gives a warning: kClosedLeak in a closed scene, where rounding
-// leaks less where edges touch in part; kOpenLeak in an open scene.
+// A leak of more than this share of all rows' lines gives a warning. In a closed scene the share is kClosedLeak: more
+// than rounding leaks at edges that touch in part. In an open scene it is kOpenLeak.
 constexpr double kClosedLeak = 1e-6, kOpenLeak = 1e-3;
 
 // Returns warnings about leaks, one line each. They state the share of radiation that ends on backs, the surfaces that

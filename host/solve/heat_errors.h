@@ -53,8 +53,9 @@ class HeatErrors : public CarriedErrors {
     double of_i, of_j;
     double x_ie, x_je;  // change of the rows' exchange with the environment
   };
-  // A Functional is a sum that depends on a disturbance z: sum_k adjoint_k z_k; of_environment for each row's change of
-  // exchange with the environment; and of_up for exchange that moves from the part below the horizon to the part above.
+  // A Functional is a sum that depends on a disturbance z as sum_k adjoint_k z_k. It also depends on each row's change
+  // of exchange with the environment, by of_environment. Exchange that moves from below the horizon to above counts by
+  // of_up.
   struct Functional {
     Eigen::VectorXd adjoint, of_environment, of_up;
   };

@@ -211,8 +211,9 @@ class VisibilitySums::Entries {
     found_.entries.push_back({pair.i, pair.j, measure(sum, squares, prior, error)});
   }
 
-  // Returns the exchange area of a pair with lines, or of one that cannot be guessed: with environment or leak, with an
-  // unknown unoccluded exchange area, or in a run without neighbours.    In: error: a bound on the error of prior.most
+  // Returns the exchange area of a pair with lines, or of a pair that cannot be guessed. Guesses are impossible with
+  // environment or leak, with an unknown unoccluded exchange area, and in a run without neighbours.    In: error: a
+  // bound on the error of prior.most
   Measured measure(const PairSum& pair, const Squares& squared, const PriorExchange& prior, double error) {
     const auto replicates = static_cast<double>(sums_.replicate_count_), facing = double(pair.facing),
                blocked = double(pair.blocked), lines = facing + blocked;
