@@ -19,8 +19,8 @@ class PairProducts {
   // Lines that leave the scene against the direction are counted here, where the environment is split.
   static constexpr uint32_t kBehind = kEnvironment - 1;
 
-  // The Outside of a row has counts of its lines that are no part of products: those that leave the scene along and
-  // against the direction, that end on a back, and that lie between two polygons of the row itself.
+  // The Outside of a row counts lines that join it to no other row, so that they add nothing to a product: lines that
+  // leave the scene along or against the direction, lines that end on a back, and lines within the row itself.
   struct Outside {
     uint64_t ahead = 0, behind = 0, leak = 0, own = 0;
   };
