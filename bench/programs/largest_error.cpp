@@ -57,7 +57,7 @@ FormFactors compute(const Scene& scene, const std::string& name, double toleranc
   return computeFormFactors(scene, request).form_factors;
 }
 
-// Returns the rows that the truth has; none for all.
+// Returns the names of the rows that the truth has. The list is empty if it has all rows.
 std::vector<std::string> rowsOf(const Scene& scene) {
   std::vector<std::string> rows;
   if (scene.faces.size() <= kMostFaces) return rows;

@@ -16,8 +16,8 @@ namespace {
 constexpr uint64_t kLongestPiece = 2147483639;  // longest piece of a record in gfortran's files
 constexpr size_t kVersionBytes = 80;
 
-// A Record is a Fortran record of known length, in pieces with their length before and after. The length before a piece
-// is negative where another piece follows; the length after it where another piece precedes.
+// A Record is a Fortran record of known length. It is written in pieces, each between two copies of its length. The
+// first copy is negative if another piece follows, and the second copy if another piece precedes.
 class Record {
  public:
   Record(std::ostream& out, uint64_t bytes) : out_(out), left_(bytes) { begin(); }

@@ -35,6 +35,21 @@ std::span<T> partOf(std::span<T> all, const std::vector<size_t>& cuts, uint32_t 
   return all.subspan(cuts[rank], cuts[rank + 1] - cuts[rank]);
 }
 
+// Draws each rank's part of the tasks on that rank, and puts the drawn tasks back in place.
+//   In: costs: of each task, relative to one another; draw_here: draws a span of tasks on rank 0
+template <class Task>
+void drawOnRanks(Crew& crew, RankWork work, std::span<Task> tasks, const std::vector<double>& costs,
+                 const auto& draw_here) {
+  const std::vector<size_t> cuts = crew.cut(costs);
+  const std::vector<std::string> answers = crew.share(
+      [&](uint32_t rank) {
+        return MessageWriter().put(work).putAll(std::span<const Task>(partOf(tasks, cuts, rank))).take();
+      },
+      [&] { draw_here(partOf(tasks, cuts, 0)); });
+  for (uint32_t rank = 1; rank < crew.size(); ++rank)
+    std::ranges::copy(MessageReader(answers[rank - 1]).getAll<Task>(), partOf(tasks, cuts, rank).begin());
+}
+
 }  // namespace
 
 // Returns about what a line of a pair costs, relative to an unblocked line: 1, and its tests against blockers.
@@ -122,34 +137,14 @@ void PairLines::drawUniformOnRanks(std::span<UniformTask> tasks) const {
   std::vector<double> costs;
   for (const UniformTask& task : tasks)
     costs.push_back((double(task.lines) + 1) * (1 + parts_.pairs[task.part].blocker_count));
-  const std::vector<size_t> cuts = crew_->cut(costs);
-  const std::vector<std::string> answers = crew_->share(
-      [&](uint32_t rank) {
-        return MessageWriter()
-            .put(RankWork::draw_uniform)
-            .putAll(std::span<const UniformTask>(partOf(tasks, cuts, rank)))
-            .take();
-      },
-      [&] { drawUniformHere(partOf(tasks, cuts, 0)); });
-  for (uint32_t rank = 1; rank < crew_->size(); ++rank)
-    std::ranges::copy(MessageReader(answers[rank - 1]).getAll<UniformTask>(), partOf(tasks, cuts, rank).begin());
+  drawOnRanks(*crew_, RankWork::draw_uniform, tasks, costs, [&](auto own) { drawUniformHere(own); });
 }
 
 void PairLines::drawStrataOnRanks(std::span<StrataTask> tasks) const {
   std::vector<double> costs;
   for (const StrataTask& task : tasks)
     costs.push_back((double(task.cells) + 1) * (1 + parts_.pairs[task.part].blocker_count));
-  const std::vector<size_t> cuts = crew_->cut(costs);
-  const std::vector<std::string> answers = crew_->share(
-      [&](uint32_t rank) {
-        return MessageWriter()
-            .put(RankWork::draw_strata)
-            .putAll(std::span<const StrataTask>(partOf(tasks, cuts, rank)))
-            .take();
-      },
-      [&] { drawStrataHere(partOf(tasks, cuts, 0)); });
-  for (uint32_t rank = 1; rank < crew_->size(); ++rank)
-    std::ranges::copy(MessageReader(answers[rank - 1]).getAll<StrataTask>(), partOf(tasks, cuts, rank).begin());
+  drawOnRanks(*crew_, RankWork::draw_strata, tasks, costs, [&](auto own) { drawStrataHere(own); });
 }
 
 LineServer::LineServer(const Scene& scene, size_t threads, std::function<void()> stop,

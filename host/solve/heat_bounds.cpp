@@ -11,7 +11,7 @@ using Eigen::VectorXd;
 constexpr int kMostTurns = 200;
 constexpr double kRoom = 1.05;  // of the next guess beyond what the last one needed
 
-// Returns how far an entry may be from its value.
+// Returns the largest distance from an entry's exchange area to an end of its interval.
 double widthOf(const FormFactors& measured, size_t k) {
   const double value = measured.entries()[k].exchange_area.value;
   const Interval& interval = measured.intervals()[k];

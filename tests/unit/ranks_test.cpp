@@ -132,21 +132,27 @@ TEST(Ranks, AnswerQuestions) {
     expectSameBits(computeFormFactors(scene, request), computeOnRanks(3, scene, request), "question");
 }
 
+// Returns the error with which a run on these ranks begins.
+Error refusalOnRanks(Ranks& ranks, const Scene& scene, Request request) {
+  request.ranks = &ranks;
+  try {
+    FormFactorRun(scene, request);
+  } catch (const Error& error) {
+    return error;
+  }
+  ADD_FAILURE() << "was not refused";
+  return {ErrorCode::limit, ""};
+}
+
 TEST(Ranks, OfAnotherSceneAreRefused) {
   const Scene scene = buildScene(ts::parallelSquares()), other = buildScene(ts::insideOfCube());
   const Request request = onHost(FixedAmount{});
   test::withRanks(
       3, [&](Ranks& ranks) { serveRanks(ranks, ranks.rank() == 2 ? other : scene, request); },
       [&](Ranks& ranks) {
-        Request shared = request;
-        shared.ranks = &ranks;
-        try {
-          FormFactorRun(scene, shared);
-          FAIL() << "was not refused";
-        } catch (const Error& error) {
-          EXPECT_EQ(error.code(), ErrorCode::bad_usage);
-          EXPECT_EQ(std::string(error.what()).rfind("rank 2: has read another scene", 0), 0u) << error.what();
-        }
+        const Error error = refusalOnRanks(ranks, scene, request);
+        EXPECT_EQ(error.code(), ErrorCode::bad_usage);
+        EXPECT_EQ(std::string(error.what()).rfind("rank 2: has read another scene", 0), 0u) << error.what();
       });
 }
 
@@ -161,15 +167,9 @@ TEST(Ranks, ErrorsReachRank0) {
         else serveRanks(ranks, scene, request);
       },
       [&](Ranks& ranks) {
-        Request shared = request;
-        shared.ranks = &ranks;
-        try {
-          FormFactorRun(scene, shared);
-          FAIL() << "was not refused";
-        } catch (const Error& error) {
-          EXPECT_EQ(error.code(), ErrorCode::bad_input);
-          EXPECT_STREQ(error.what(), "rank 1: box.obj: cannot open");
-        }
+        const Error error = refusalOnRanks(ranks, scene, request);
+        EXPECT_EQ(error.code(), ErrorCode::bad_input);
+        EXPECT_STREQ(error.what(), "rank 1: box.obj: cannot open");
       });
 }
 

@@ -29,7 +29,7 @@ Scene sceneOf(const std::vector<rt::Corners>& faces) {
   return buildScene(input);
 }
 
-// The pair of the first two faces, and what lies between.
+// A Pair holds the pair of the first two faces, and finds the blockers between the two.
 struct Pair {
   Scene scene;
   PairFinder finder;
