@@ -10,6 +10,7 @@
 
 #include "reference/closed_forms/past_blocker.h"
 #include "scenes/named_scenes.h"
+#include "tests/support/face_pairs.h"
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
@@ -17,12 +18,7 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
-
-Scene sceneOf(const std::vector<rt::Corners>& faces) {
-  InputScene input{"faces", {}, {}};
-  for (size_t k = 0; k < faces.size(); ++k) ts::addFace(input, "face" + std::to_string(k), faces[k]);
-  return buildScene(input);
-}
+using test::sceneOf;
 
 Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
   Request request;

@@ -15,6 +15,7 @@
 #include "scenes/named_scenes.h"
 #include "scenes/stress.h"
 #include "directions/sampler.h"
+#include "tests/support/face_pairs.h"
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
@@ -22,12 +23,7 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
-
-Scene sceneOf(const std::vector<rt::Corners>& faces) {
-  InputScene input{"faces", {}, {}};
-  for (size_t k = 0; k < faces.size(); ++k) ts::addFace(input, "face" + std::to_string(k), faces[k]);
-  return buildScene(input);
-}
+using test::sceneOf;
 
 PatchPairs findAll(const PairFinder& finder) { return finder.find(1); }
 

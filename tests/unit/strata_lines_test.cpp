@@ -13,6 +13,7 @@
 #include "pair_lines/uniform_lines.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "scenes/named_scenes.h"
+#include "tests/support/face_pairs.h"
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
@@ -20,32 +21,10 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
+using test::sceneOf;
+using Pair = test::FacePairs;
 
 const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-
-Scene sceneOf(const std::vector<rt::Corners>& faces) {
-  InputScene input{"faces", {}, {}};
-  for (size_t k = 0; k < faces.size(); ++k) ts::addFace(input, "face" + std::to_string(k), faces[k]);
-  return buildScene(input);
-}
-
-// A Pair holds the pair of the first two faces, and finds the blockers between the two.
-struct Pair {
-  Scene scene;
-  PairFinder finder;
-  PatchPairs pairs;
-  const PatchPair* pair = nullptr;
-
-  explicit Pair(const std::vector<rt::Corners>& faces)
-      : scene(sceneOf(faces)), finder(scene, makeIds(scene, By::polygon, false)), pairs(finder.find(1)) {
-    for (const PatchPair& found : pairs.pairs)
-      if (finder.patches()[found.a].id == 0 && finder.patches()[found.b].id == 1) pair = &found;
-  }
-  UniformLines lines() const {
-    return {finder.patches()[pair->a], finder.patches()[pair->b], pair->exchange, finder.blockers(),
-            std::span(pairs.between).subspan(pair->first_blocker, pair->blocker_count)};
-  }
-};
 
 struct Case {
   const char* name;
@@ -73,8 +52,7 @@ double visibilityOf(const Case& of) {
 TEST(StrataLines, TheirMeanIsTheVisibility) {
   for (const Case& of : kCases) {
     const Pair pair({kFloor, of.second, of.blocker});
-    ASSERT_TRUE(pair.pair) << of.name;
-    const UniformLines lines = pair.lines();
+    const UniformLines lines = pair.lines(pair.between(0, 1));
     const double truth = visibilityOf(of);
     for (const uint64_t cells : {1, 17, 300, 40'000})
       for (const float share : {0.0f, 0.4f, 1.0f}) {
@@ -91,8 +69,8 @@ TEST(StrataLines, TheirMeanIsTheVisibility) {
 
 TEST(StrataLines, VectorsDoNotMatter) {
   const Pair pair({kFloor, kCases[0].second, kCases[0].blocker});
-  const StrataSums one = pair.lines().drawStrata(3, 1000, 0.5f, widestVectors()),
-                   same = pair.lines().drawStrata(3, 1000, 0.5f, Vectors::plain);
+  const StrataSums one = pair.lines(pair.between(0, 1)).drawStrata(3, 1000, 0.5f, widestVectors()),
+                   same = pair.lines(pair.between(0, 1)).drawStrata(3, 1000, 0.5f, Vectors::plain);
   EXPECT_EQ(one.low, same.low);
   EXPECT_EQ(one.high_squares, same.high_squares);
 }
@@ -101,7 +79,7 @@ TEST(StrataLines, VectorsDoNotMatter) {
 TEST(StrataLines, VarianceFallsFasterThanThatOfUniformLines) {
   const Case& of = kCases[0];
   const Pair pair({kFloor, of.second, of.blocker});
-  const UniformLines lines = pair.lines();
+  const UniformLines lines = pair.lines(pair.between(0, 1));
   const auto varianceOf = [&](uint64_t cells) {
     const StrataSums sums = lines.drawStrata(5, cells, 0.5f, widestVectors());
     const double unit = 1 / (2 * double(sums.cells) * lines.efficiency());
@@ -124,7 +102,7 @@ TEST(StrataLines, BoundsFailNoMoreOftenThanTheyMay) {
       boost::math::quantile(boost::math::complement(boost::math::binomial(kRuns, 4 * std::exp(-kL)), kFalseAlarm));
   for (const Case& of : {kCases[0], kCases[1]}) {
     const Pair pair({kFloor, of.second, of.blocker});
-    const UniformLines lines = pair.lines();
+    const UniformLines lines = pair.lines(pair.between(0, 1));
     const double truth = visibilityOf(of);
     int failures = 0, narrow_failures = 0;
     for (uint64_t run = 0; run < kRuns; ++run) {
@@ -155,9 +133,10 @@ TEST(StrataLines, GuaranteesOfLargePairsTakeThem) {
     EXPECT_LE(interval.lower, truth + 1e-6) << of.name;
     EXPECT_GE(interval.upper, truth - 1e-6) << of.name;
     EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, truth, kEpsilon) << of.name;
+    const Pair pair({kFloor, of.second, of.blocker});
     const double exchange = clear / result.form_factors.ids().smallerArea(0, 1),
                  hoeffding = exchange * exchange * std::log(2 / kDelta) / (2 * kEpsilon * kEpsilon),
-                 candidates = hoeffding / Pair({kFloor, of.second, of.blocker}).lines().efficiency();
+                 candidates = hoeffding / pair.lines(pair.between(0, 1)).efficiency();
     EXPECT_LT(double(result.lines), exchange > 0.1 ? candidates / 2 : INFINITY) << of.name;
   }
 }

@@ -11,6 +11,7 @@
 #include "scenes/exact_scenes.h"
 #include "scenes/named_scenes.h"
 #include "scenes/stress.h"
+#include "tests/support/face_pairs.h"
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
@@ -18,34 +19,11 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
+using Pair = test::FacePairs;
 using glm::dvec3;
 
 // The error of a correct value exceeds 5.5 standard errors once in 2.6e7.
 constexpr double kStandardErrors = 5.5;
-
-Scene sceneOf(const std::vector<rt::Corners>& faces) {
-  InputScene input{"faces", {}, {}};
-  for (size_t k = 0; k < faces.size(); ++k) ts::addFace(input, "face" + std::to_string(k), faces[k]);
-  return buildScene(input);
-}
-
-struct Pair {
-  Scene scene;
-  PairFinder finder;
-  PatchPairs pairs;
-
-  explicit Pair(const std::vector<rt::Corners>& faces)
-      : scene(sceneOf(faces)), finder(scene, makeIds(scene, By::polygon, false)), pairs(finder.find(1)) {}
-  const PatchPair& between(uint32_t i, uint32_t j) const {
-    for (const PatchPair& pair : pairs.pairs)
-      if (finder.patches()[pair.a].id == i && finder.patches()[pair.b].id == j) return pair;
-    throw std::logic_error("the pair is hidden");
-  }
-  UniformLines lines(const PatchPair& pair) const {
-    return {finder.patches()[pair.a], finder.patches()[pair.b], pair.exchange, finder.blockers(),
-            std::span(pairs.between).subspan(pair.first_blocker, pair.blocker_count)};
-  }
-};
 
 rt::Corners rectangle(dvec3 corner, dvec3 a, dvec3 b) { return {corner, corner + a, corner + a + b, corner + b}; }
 
