@@ -42,7 +42,7 @@ typedef enum viewpeel_status {
 
 /* Options say what to compute. 0 is the default of each: `viewpeel_options options = {0};`. */
 typedef struct viewpeel_options {
-  double tolerance;      /* largest standard error; a default goal where no goal is given */
+  double tolerance;      /* largest error; the default goal where none is given */
   double relative;       /* largest standard error as a share of its form factor */
   double seconds;        /* time limit, s */
   double epsilon, delta; /* a guarantee: within epsilon with probability 1 - delta (0: 0.01) */
@@ -71,7 +71,7 @@ VIEWPEEL_API const char* viewpeel_last_error(void);
 VIEWPEEL_API const char* viewpeel_version(void);
 
 /* Reads a scene, as viewpeel::loadScene.
- *   In: file: .obj, .stl, .ply, .vs3, .inp, .msh, .vtp or .vtu    Out: scene, to be freed
+ *   In: file: its kind follows from its name, as docs/formats.md says    Out: scene, to be freed
  *   Error: corners to 1 ulp of the unit ball. Tests: tests/c.
  *   Returns: BAD_INPUT.    Cost: O(corners log corners). */
 VIEWPEEL_API viewpeel_status viewpeel_load_scene(const char* file, viewpeel_scene** scene);
@@ -94,7 +94,7 @@ VIEWPEEL_API viewpeel_status viewpeel_compute(const viewpeel_scene* scene, const
                                               viewpeel_result** result);
 /* Reads a .h5 of results, as viewpeel::readResult.    Returns: BAD_INPUT. */
 VIEWPEEL_API viewpeel_status viewpeel_read_result(const char* file, viewpeel_result** result);
-/* Writes .csv, .mtx, .npz, .h5, .vtp or .vwf by the file's end; .vtp only of results that were computed.
+/* Writes .csv, .mtx, .npz, .h5, .vtp, .vwf or .html by the file's end; .vtp only of results that were computed.
  *   Returns: BAD_USAGE, OUTPUT. */
 VIEWPEEL_API viewpeel_status viewpeel_write_result(const viewpeel_result* result, const char* file);
 /* Frees a result, and the arrays and names that came from it.    In: NULL does nothing. */

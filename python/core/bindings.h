@@ -4,6 +4,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -12,6 +13,7 @@
 #include <pybind11/stl.h>
 
 #include <viewpeel/compute.h>
+#include <viewpeel/error.h>
 #include <viewpeel/read.h>
 #include <viewpeel/solve.h>
 #include <viewpeel/sparse_rows.h>
@@ -57,6 +59,26 @@ Request requestOf(const py::dict& arguments);
 std::optional<py::error_already_set> runWatched(const std::function<void(const Observer&)>& work,
                                                 const py::object& tick);
 
+// Runs work that ends with an answer, or with an Error where it was stopped.
+//   In: work: gets an observer and returns the answer; toPython: makes a Python object of the answer
+//   Out: (the object, None), or (None, the exception with which Python stopped the work)
+//   Throws: what the work throws unless it was stopped.
+template <class Work, class ToPython>
+py::tuple answerOf(const Work& work, const py::object& tick, const ToPython& toPython) {
+  std::optional<std::invoke_result_t<const Work&, const Observer&>> answer;
+  const auto stop = runWatched(
+      [&](const Observer& observer) {
+        try {
+          answer = work(observer);
+        } catch (const Error&) {
+          if (!observer.should_stop()) throw;
+        }
+      },
+      tick);
+  if (stop || !answer) return py::make_tuple(py::none(), stop ? stop->value() : py::none());
+  return py::make_tuple(toPython(std::move(*answer)), py::none());
+}
+
 // Makes an array over values that `owner` keeps alive, without a copy.
 template <class T, class Owner>
 py::array_t<T> viewOf(const std::vector<T>& values, std::shared_ptr<const Owner> owner) {
@@ -71,6 +93,12 @@ py::array_t<T> arrayOf(std::vector<T> values) {
   auto owner = std::make_shared<const std::vector<T>>(std::move(values));
   return viewOf(*owner, owner);
 }
+
+// Returns the values and the standard errors of measured numbers.
+std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Measured>& measured);
+
+// Makes a column of a result.    In: of_ids: of the rows that are not empty    Out: (values, standard errors) of all rows
+py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids);
 
 void addScene(py::module_& module);
 void addResult(py::module_& module);

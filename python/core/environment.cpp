@@ -2,16 +2,21 @@
 #include "python/core/bindings.h"
 
 #include <viewpeel/environment.h>
-#include <viewpeel/error.h>
 
 namespace viewpeel::python {
 namespace {
 
-// Returns a column of all rows from the values of the rows that are not empty.    Out: (form factors, standard errors)
-py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids) {
-  std::vector<double> values, errors;
-  for (const Measured& measured : of_ids) values.push_back(measured.value), errors.push_back(measured.standard_error);
-  return py::make_tuple(arrayOf(spreadOverRows(ids, values)), arrayOf(spreadOverRows(ids, errors)));
+py::dict columnsOf(const EnvironmentParts& found) {
+  py::dict columns;
+  columns["names"] = rowNames(found.ids);
+  columns["areas"] = arrayOf(spreadOverRows(found.ids, found.ids.areas));
+  columns["environment"] = columnOf(found.ids, found.all);
+  columns["up"] = columnOf(found.ids, found.up);
+  columns["down"] = columnOf(found.ids, found.down);
+  columns["replicates"] = found.replicates;
+  columns["directions"] = found.directions;
+  columns["is_reached"] = found.is_reached;
+  return columns;
 }
 
 // Measures the environment of all rows.    In: tolerance: standard error; seconds: time limit or None
@@ -26,27 +31,8 @@ py::tuple measure(const HeldScene& held, bool by_surface, bool two_sided, const 
                                    .seed = seed,
                                    .threads = threads,
                                    .time_limit_s = seconds};
-  std::optional<EnvironmentParts> found;
-  const auto stop = runWatched(
-      [&](const Observer& observer) {
-        try {
-          found = measureEnvironment(*held.scene, request, observer);
-        } catch (const Error&) {
-          if (!observer.should_stop()) throw;
-        }
-      },
-      tick);
-  if (!found || stop) return py::make_tuple(py::none(), stop ? stop->value() : py::none());
-  py::dict columns;
-  columns["names"] = rowNames(found->ids);
-  columns["areas"] = arrayOf(spreadOverRows(found->ids, found->ids.areas));
-  columns["environment"] = columnOf(found->ids, found->all);
-  columns["up"] = columnOf(found->ids, found->up);
-  columns["down"] = columnOf(found->ids, found->down);
-  columns["replicates"] = found->replicates;
-  columns["directions"] = found->directions;
-  columns["is_reached"] = found->is_reached;
-  return py::make_tuple(columns, py::none());
+  return answerOf([&](const Observer& observer) { return measureEnvironment(*held.scene, request, observer); }, tick,
+                  columnsOf);
 }
 
 }  // namespace

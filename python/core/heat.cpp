@@ -1,8 +1,6 @@
 // This file binds heat flows and temperatures, of a scene or of a result.
 #include "python/core/bindings.h"
 
-#include <viewpeel/error.h>
-
 namespace viewpeel::python {
 namespace {
 
@@ -25,7 +23,7 @@ std::shared_ptr<HeldHeat> solve(const std::shared_ptr<HeldResult>& result, const
 
 // Computes form factors until the answers' standard errors are below the tolerance.
 //   In: unit: K, W/m2 or %
-//   Out: (answers, whether the tolerance was reached, None); (None, False, exception) where Python stopped the run
+//   Out: ((answers, whether the tolerance was reached), None), or (None, the exception that stopped the run)
 py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const MaterialTable& materials, double tolerance,
                   const std::string& unit, const py::object& tick) {
   Request request = requestOf(arguments);
@@ -33,24 +31,17 @@ py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const Materi
   const HeatTolerance goal{tolerance, unit == "K"      ? HeatTolerance::Of::temperature
                                       : unit == "W/m2" ? HeatTolerance::Of::heat_flux
                                                        : HeatTolerance::Of::relative};
-  std::optional<SceneHeat> found;
-  const auto stop = runWatched(
-      [&](const Observer& observer) {
-        try {
-          found = solveScene(*held.scene, materials, request, goal, observer);
-        } catch (const Error&) {
-          if (!observer.should_stop()) throw;
-        }
-      },
-      tick);
-  if (!found || stop) return py::make_tuple(py::none(), false, stop ? stop->value() : py::none());
-  auto result = hold(held, std::move(found->form_factors),
-                     {{"by", request.by == By::surface ? "surface" : "polygon"},
-                      {"two-sided", request.two_sided ? "yes" : "no"},
-                      {"seed", std::to_string(request.seed)},
-                      {"tolerance", std::to_string(found->form_factor_tolerance)}});
-  return py::make_tuple(std::make_shared<HeldHeat>(HeldHeat{std::move(found->heat), std::move(result)}),
-                        found->is_reached, py::none());
+  return answerOf(
+      [&](const Observer& observer) { return solveScene(*held.scene, materials, request, goal, observer); }, tick,
+      [&](SceneHeat found) {
+        auto result = hold(held, std::move(found.form_factors),
+                           {{"by", request.by == By::surface ? "surface" : "polygon"},
+                            {"two-sided", request.two_sided ? "yes" : "no"},
+                            {"seed", std::to_string(request.seed)},
+                            {"tolerance", std::to_string(found.form_factor_tolerance)}});
+        return py::make_tuple(std::make_shared<HeldHeat>(HeldHeat{std::move(found.heat), std::move(result)}),
+                              found.is_reached);
+      });
 }
 
 const std::vector<HeatRow>& rowsOf(const HeldHeat& heat, bool by_surface) {
@@ -79,13 +70,14 @@ py::dict columnsOf(const HeldHeat& heat, bool by_surface) {
                                Answer{"irradiation", &HeatRow::irradiation, &HeatBounds::irradiation},
                                Answer{"heat_flux", &HeatRow::heat_flux, &HeatBounds::heat_flux},
                                Answer{"heat_flow", &HeatRow::heat_flow, &HeatBounds::heat_flow}}) {
-    std::vector<double> values, errors, bounds;
+    std::vector<Measured> measured;
+    std::vector<double> bounds;
     for (const HeatRow& row : rows) {
-      const Measured& of_row = row.*answer.measured;
-      values.push_back(of_row.value), errors.push_back(of_row.standard_error);
+      measured.push_back(row.*answer.measured);
       if (row.bounds) bounds.push_back((*row.bounds).*answer.bound);
     }
     const bool has_bounds = !rows.empty() && bounds.size() == rows.size();
+    auto [values, errors] = split(measured);
     columns[answer.name] = py::make_tuple(arrayOf(std::move(values)), arrayOf(std::move(errors)),
                                           has_bounds ? py::object(arrayOf(std::move(bounds))) : py::none());
   }

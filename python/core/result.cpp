@@ -3,8 +3,6 @@
 
 #include "python/core/bindings.h"
 
-#include <viewpeel/error.h>
-
 namespace viewpeel::python {
 namespace {
 
@@ -58,16 +56,12 @@ py::object balanced(HeldResult& held) {
   return py::make_tuple(viewOf(rows->form_factors, rows), viewOf(rows->columns, rows), startsOf(rows));
 }
 
-// Returns a column.    In: to: kEnvironment or kLeak    Out: (form factors, standard errors) of all rows
 py::tuple columnTo(const HeldResult& held, uint32_t to) {
   const FormFactors& form_factors = held.stored.form_factors;
-  std::vector<double> values, errors;
-  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {
-    const Measured f = form_factors.ids().isRequested(id) ? form_factors.formFactor(id, to) : Measured{};
-    values.push_back(f.value), errors.push_back(f.standard_error);
-  }
-  return py::make_tuple(arrayOf(spreadOverRows(form_factors.ids(), values)),
-                        arrayOf(spreadOverRows(form_factors.ids(), errors)));
+  std::vector<Measured> of_ids;
+  for (uint32_t id = 0; id < form_factors.ids().count(); ++id)
+    of_ids.push_back(form_factors.ids().isRequested(id) ? form_factors.formFactor(id, to) : Measured{});
+  return columnOf(form_factors.ids(), of_ids);
 }
 
 // Returns (lower, upper) of all rows; None where the result has no intervals.
@@ -84,9 +78,8 @@ py::object boundsTo(const HeldResult& held, uint32_t to) {
 }
 
 py::array_t<double> rowSums(const HeldResult& held) {
-  std::vector<double> values;
-  for (const Measured& sum : held.stored.form_factors.rowSums()) values.push_back(sum.value);
-  return arrayOf(spreadOverRows(held.stored.form_factors.ids(), values));
+  const FormFactors& form_factors = held.stored.form_factors;
+  return arrayOf(spreadOverRows(form_factors.ids(), split(form_factors.rowSums()).first));
 }
 
 py::object closure(const HeldResult& held) {
@@ -112,6 +105,17 @@ Held load(const std::string& file) {
 }
 
 }  // namespace
+
+std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Measured>& measured) {
+  std::vector<double> values, errors;
+  for (const Measured& of : measured) values.push_back(of.value), errors.push_back(of.standard_error);
+  return {std::move(values), std::move(errors)};
+}
+
+py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids) {
+  const auto [values, errors] = split(of_ids);
+  return py::make_tuple(arrayOf(spreadOverRows(ids, values)), arrayOf(spreadOverRows(ids, errors)));
+}
 
 void addResult(py::module_& module) {
   py::class_<HeldResult, Held>(module, "Result")

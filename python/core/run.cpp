@@ -19,7 +19,9 @@ constexpr auto kBetweenTicks = 50ms;       // between two checks for signals
 constexpr auto kBetweenCheckpoints = 30s;  // a killed run loses this time and a replicate at most
 
 py::dict dictOf(const Progress& progress) {
+  constexpr std::array kPhases = {"planning", "unoccluded", "counting"};  // in the order of Progress::Phase
   py::dict all;
+  all["phase"] = kPhases.at(static_cast<size_t>(progress.phase));
   all["replicates"] = progress.replicates;
   all["largest_standard_error"] = progress.largest_standard_error;
   all["directions"] = progress.directions;

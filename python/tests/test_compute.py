@@ -5,6 +5,7 @@ import subprocess
 import tempfile
 import unittest
 import warnings
+from pathlib import Path
 
 import numpy
 
@@ -30,10 +31,10 @@ class Scenes(unittest.TestCase):
             command = [PROGRAM, "compute", scene_file("office.obj"), "--by", "surface", "--directions", "16",
                        "--resolution", "64", "--quiet", "-o", theirs]  # fmt: skip
             subprocess.run(command, check=True)
-            self.assertEqual(open(ours).read(), open(theirs).read())
+            self.assertEqual(Path(ours).read_text(), Path(theirs).read_text())
             # Negative control: another seed gives other bytes.
             viewpeel.compute(scene_file("office.obj"), by="surface", directions=16, resolution=64, seed=2).save(ours)
-            self.assertNotEqual(open(ours).read(), open(theirs).read())
+            self.assertNotEqual(Path(ours).read_text(), Path(theirs).read_text())
 
     def test_arrays(self):
         expect_plates(self, viewpeel.compute((PLATE_POINTS, PLATES)))

@@ -1,6 +1,7 @@
 """These tests compare solve() with closed forms and with the program."""
 
 import os
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -57,6 +58,23 @@ class Heat(unittest.TestCase):
             viewpeel.solve(scene, materials, tolerance="1%", epsilon=1e-2)
         with self.assertRaisesRegex(TypeError, "colour"):
             viewpeel.solve(scene, materials, tolerance="1%", colour=1)
+
+    def test_ctrl_c_says_interrupted(self):
+        """Runs to a tolerance of the answers have no result then; others have that of their form factors."""
+
+        def stop(progress):
+            if progress["replicates"] >= wanted:
+                os.kill(os.getpid(), signal.SIGINT)
+
+        scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
+        wanted = 0
+        with self.assertRaises(viewpeel.Interrupted) as caught:
+            viewpeel.solve(scene, materials, tolerance="1e-7K", progress=stop)
+        self.assertIsNone(caught.exception.result)
+        wanted = 3
+        with self.assertRaises(viewpeel.Interrupted) as caught:
+            viewpeel.solve(scene, materials, directions=256, resolution=256, replicates=2000, pair_lines=False, progress=stop)
+        self.assertGreaterEqual(caught.exception.result.parameters["replicates"], 3)
 
     def test_surfaces_sum_up_polygons(self):
         heat = viewpeel.solve(scene_file("office.obj"), scene_file("office_materials.csv"), by="polygon", tolerance=2e-2)

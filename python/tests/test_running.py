@@ -1,11 +1,14 @@
 """These tests watch, stop and continue runs, and run other threads meanwhile."""
 
+import contextlib
+import io
 import os
 import signal
 import tempfile
 import threading
 import time
 import unittest
+import unittest.mock
 
 import numpy
 
@@ -99,7 +102,19 @@ class Running(unittest.TestCase):
             numpy.testing.assert_array_equal(results[seed].form_factors.data, alone.form_factors.data)
 
     def test_progress_by_tqdm(self):
-        viewpeel.compute(scene_file("plates.obj"), progress=True)
+        def bar_of(**options):
+            shown = io.StringIO()
+            with contextlib.redirect_stderr(shown):
+                viewpeel.compute(scene_file("office.obj"), by="surface", pair_lines=False, progress=True, **options)
+            return shown.getvalue()
+
+        self.assertRegex(bar_of(tolerance=3e-3, directions=32, promise=False), r"counting: [1-9][0-9]* replicates.*largest standard error [0-9.]+e-[0-9]+")
+        self.assertRegex(bar_of(directions=256, resolution=256, replicates=8), r"counting: .* [1-7]/8 ")
+
+    def test_progress_needs_tqdm(self):
+        with unittest.mock.patch.dict("sys.modules", {"tqdm.auto": None}):
+            with self.assertRaisesRegex(ValueError, "needs tqdm"):
+                viewpeel.compute(scene_file("plates.obj"), progress=True)
 
 
 if __name__ == "__main__":

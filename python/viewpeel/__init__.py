@@ -10,11 +10,12 @@ Errors of input or usage raise ValueError, with the line that the program prints
 OSError; devices and limits raise viewpeel.Error. docs/python.md of the project has more.
 """
 
-from ._compute import Interrupted, compute
+from ._compute import compute
 from ._core import Error, __version__
 from ._environment import Environment, environment
 from ._heat import Heat, solve
 from ._result import Closure, Result, load
+from ._running import Interrupted
 
 __all__ = [
     "Closure", "Environment", "Error", "Heat", "Interrupted", "Result", "__version__",

@@ -3,63 +3,13 @@
 from __future__ import annotations
 
 import os
-import sys
 import warnings
 from typing import Any, Callable, Dict, Optional, Sequence, Union
 
 from . import _core
 from ._result import Result
+from ._running import Progress, run_to_end
 from ._scene import scene_of
-
-Progress = Dict[str, Union[int, float]]
-
-
-class Interrupted(KeyboardInterrupt):
-    """Ctrl-C stopped a run.
-
-    result: the Result of the replicates counted so far, or None with fewer than two
-    checkpoint: the file with the counts, from which resume=True continues; None where no file was given
-    """
-
-    def __init__(self, result: Optional[Result], checkpoint: Optional[str]):
-        self.result, self.checkpoint = result, checkpoint
-        kept = f"; {checkpoint} has what was counted, go on with resume=True" if checkpoint and result else ""
-        super().__init__("stopped" + kept)
-
-
-class _ProgressBar:
-    """A bar of tqdm that counts replicates."""
-
-    def __init__(self, kind: Any):
-        self._bar = kind(unit=" replicates", leave=False)
-
-    def __call__(self, progress: Progress) -> None:
-        self._bar.total = progress["expected_blocks"] or None
-        self._bar.n = progress["replicates"]
-        error = progress["largest_standard_error"]
-        if error != float("inf"):
-            self._bar.set_postfix_str(f"largest standard error {error:.1e}", refresh=False)
-        self._bar.refresh()
-
-    def close(self) -> None:
-        self._bar.close()
-
-
-def _progress_bar() -> _ProgressBar:
-    try:
-        from tqdm.auto import tqdm
-    except ImportError:
-        raise ValueError("progress=True needs tqdm; install it, or give a function") from None
-    return _ProgressBar(tqdm)
-
-
-def progress_of(progress: Union[bool, Callable[[Progress], None]]) -> tuple[Any, Callable[[], None]]:
-    """Returns the function that a run calls with its progress, or None, and a function to call at its end."""
-    if progress is True:
-        bar = _progress_bar()
-        return bar, bar.close
-    return (progress if callable(progress) else None), lambda: None
-
 
 def _names(names: Union[str, Sequence[str]]) -> list[str]:
     return [names] if isinstance(names, str) else list(names)
@@ -132,9 +82,10 @@ def compute(
             is where a guarantee costs at most twice an estimate, and never with a checkpoint
         checkpoint, resume: a file for the counts, written at the end, on Ctrl-C and every half minute; whether to
             continue from it
-        progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: replicates,
-            largest_standard_error, directions, directions_of_replicate, expected_blocks, most_blocks. An exception
-            that it raises stops the run and is passed on
+        progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: phase
+            ("planning", "unoccluded" or "counting"), replicates, largest_standard_error (infinite where the goal does
+            not look at it), directions, directions_of_replicate, and of a guarantee expected_blocks and most_blocks.
+            An exception that it raises stops the run and is passed on
         scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft"); of an
             EnergyPlus building zones (names) or outside (bool)
     Out: Result of the scene's rows
@@ -155,18 +106,14 @@ def compute(
     made = scene_of(scene, scene_options)
     if scene_options:
         raise TypeError(f"compute() has no argument {', '.join(map(repr, scene_options))}")
-    tick, close = progress_of(progress)
-    try:
-        held, stop = _core.compute(made, arguments, file or "", resume, tick)
-    finally:
-        close()
-    result = None if held is None else Result(held)
-    if isinstance(stop, KeyboardInterrupt):
-        raise Interrupted(result, file) from None
-    if stop is not None:
-        raise stop
-    if result is None:
-        raise _core.Error("the run was stopped before it had a result")
+    held = run_to_end(
+        lambda tick: _core.compute(made, arguments, file or "", resume, tick),
+        progress,
+        file,
+        Result,
+        replicates if directions else None,
+    )
+    result = Result(held)
     for line in result.warnings:
         warnings.warn(line, stacklevel=2)
     return result

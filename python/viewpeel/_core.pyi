@@ -75,7 +75,7 @@ def compute(
     arguments: dict[str, Any],
     checkpoint: str,
     resumes: bool,
-    tick: Optional[Callable[[dict[str, Union[int, float]]], None]],
+    tick: Optional[Callable[[dict[str, Union[int, float, str]]], None]],
 ) -> tuple[Optional[Result], Optional[BaseException]]: ...
 
 def measure_environment(
@@ -87,7 +87,7 @@ def measure_environment(
     seconds: Optional[float],
     seed: int,
     threads: int,
-    tick: Optional[Callable[[dict[str, Union[int, float]]], None]],
+    tick: Optional[Callable[[dict[str, Union[int, float, str]]], None]],
 ) -> tuple[Optional[dict[str, Any]], Optional[BaseException]]: ...
 
 class Materials:
@@ -111,4 +111,4 @@ def read_materials(file: str) -> Materials: ...
 def solve(result: Result, materials: Materials) -> Heat: ...
 def solve_to(
     scene: Scene, arguments: dict[str, Any], materials: Materials, tolerance: float, unit: str, tick: Any
-) -> tuple[Optional[Heat], bool, Optional[BaseException]]: ...
+) -> tuple[Optional[tuple[Heat, bool]], Optional[BaseException]]: ...

@@ -9,7 +9,7 @@ import numpy
 from numpy.typing import NDArray
 
 from . import _core
-from ._compute import Interrupted, Progress, progress_of
+from ._running import Progress, run_to_end
 from ._scene import scene_of
 
 Floats = NDArray[numpy.float64]
@@ -85,19 +85,12 @@ def environment(
     made = scene_of(scene, scene_options)
     if scene_options:
         raise TypeError(f"environment() has no argument {', '.join(map(repr, scene_options))}")
-    tick, close = progress_of(progress)
-    try:
-        columns, stop = _core.measure_environment(
+    columns = run_to_end(
+        lambda tick: _core.measure_environment(
             made, by == "surface", two_sided, direction, tolerance, seconds, seed, threads, tick
-        )
-    finally:
-        close()
-    if isinstance(stop, KeyboardInterrupt):
-        raise Interrupted(None, None) from None
-    if stop is not None:
-        raise stop
-    if columns is None:
-        raise _core.Error("the run was stopped before it had a result")
+        ),
+        progress,
+    )
     found = Environment(columns)
     if not found.is_reached:
         warnings.warn(f"time was up before the tolerance of {tolerance}; give more seconds", stacklevel=2)

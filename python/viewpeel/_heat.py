@@ -8,8 +8,9 @@ import warnings
 from typing import Any, Mapping, Optional, Union
 
 from . import _core
-from ._compute import compute, progress_of
+from ._compute import compute
 from ._result import Result
+from ._running import run_to_end
 from ._scene import scene_of
 
 _QUANTITIES = ("temperature", "radiosity", "irradiation", "heat_flux", "heat_flow")
@@ -114,15 +115,9 @@ def _solve_to(scene: Any, table: _core.Materials, tolerance: str, options: dict[
     if options:
         raise TypeError(f"solve() has no argument {', '.join(map(repr, options))}")
     value = float(match[1]) / 100 if match[2] == "%" else float(match[1])
-    tick, close = progress_of(progress)
-    try:
-        held, is_reached, stop = _core.solve_to(made, arguments, table, value, match[2], tick)
-    finally:
-        close()
-    if stop is not None:
-        raise stop
-    if held is None:
-        raise _core.Error("the run was stopped before it had a result")
+    held, is_reached = run_to_end(
+        lambda tick: _core.solve_to(made, arguments, table, value, match[2], tick), progress
+    )
     if not is_reached:
         warnings.warn(f"time was up before the tolerance of {tolerance}; give more seconds", stacklevel=3)
     return Heat(held, False)
