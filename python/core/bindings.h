@@ -97,7 +97,8 @@ py::array_t<T> arrayOf(std::vector<T> values) {
 // Returns the values and the standard errors of measured numbers.
 std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Measured>& measured);
 
-// Makes a column of a result.    In: of_ids: of the rows that are not empty    Out: (values, standard errors) of all rows
+// Makes a column of a result.    In: of_ids: of the rows that are not empty
+//   Out: (values, standard errors) of all rows
 py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids);
 
 void addScene(py::module_& module);
