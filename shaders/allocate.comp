@@ -1,7 +1,7 @@
 #version 460
 // One invocation gives one tile with any polygon or fragment room for its list and a place among the active tiles. With
 // scanlines the tile gets one place for each group of rows that peel takes at once. With kTakesRows one workgroup takes
-// a whole row of tiles, from the first to the last tile with emitters.
+// a whole row of tiles, from the first to the last tile that holds an emitting polygon.
 //   In: tile_counts, emitter_spans, fragment_counts   Out: tile_starts, active_tiles, status
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION

@@ -2,7 +2,7 @@
 // One invocation takes one listed polygon in one direction and finds the tiles, in some rows of tiles, in which it can
 // cover samples. What it does there depends on kMode: it notes the polygon's roles (kBinEmitters, kBinReceivers),
 // counts the tile's polygons (kBinCount), or writes the polygon into the tile's list (kBinScatter). Where only some
-// polygons count, it visits no tiles beyond the first and the last tile with emitters in a row. Around long thin
+// polygons emit, it visits no tiles beyond the first and the last tile with emitters in a row: around long thin
 // emitters most of a fine window is empty.
 //   In: listed, projected, corners
 //   Out: tile_roles, emitter_spans (emitters and receivers); tile_counts (count); lists (scatter, which counts
@@ -14,7 +14,7 @@
 
 layout(local_size_x = 64) in;
 layout(constant_id = 0) const uint kMode = kBinCount;
-layout(constant_id = 1) const bool kNeedsRoles = false;  // leaves out tiles without all of args.needed_roles
+layout(constant_id = 1) const bool kNeedsRoles = false;  // leaves out tiles whose polygons lack a needed role
 layout(constant_id = 2) const bool kSorts = false;       // writes ListEntry, for sort
 layout(constant_id = 3) const uint kTileWidth = 8u;
 layout(constant_id = 4) const uint kTileRows = 8u;

@@ -22,8 +22,8 @@ Counters peelCounters() {
                   kSparse, kCountsBlocked ? 2u : 1u);
 }
 
-// Adds each lane's weight to the counter of its pair. Where neighbouring lanes have the same pair, the first of them
-// adds their sum.
+// Adds each lane's weight to its pair's counter. Where neighbouring lanes have the same pair, the first of these lanes
+// adds the sum of their weights.
 //   In: has: whether this lane adds anything
 void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (kAggregates) {
@@ -43,12 +43,11 @@ void addRuns(bool has, uvec2 pair, uint weight, uint lane) {
   if (has) addCount(peelCounters(), kFacing, pair, uint64_t(weight));
 }
 
-// Adds the gaps of one sample a lane to the counters: the gap below each layer that is nearer than `bound`. Where
-// the list has ended without a lost layer, it adds the gap above the last layer, too. Returns the number of gaps
-// counted. Gaps that count are collected first, for on lines through closed solids only every other gap counts.
-//   In: before: the last layer that has been added, or 0; at_end: whether the list has ended;
-//   is_open: whether the sample may have layers    Out: before: the last layer that has been added
-//   now
+// Adds gaps of one sample of each lane to the counters: the gap below each layer that is nearer than `bound`. Where the
+// list has ended and every layer found room, it also adds the gap above the last layer. Gaps that count are collected
+// first, for on lines through closed solids only every other gap counts. Returns their number. In: before: the last
+// layer that has been added, or 0; at_end: whether the list has ended; is_open: whether the sample may have layers Out:
+// before: the last layer that has been added now
 uint addGaps(inout uint64_t before, uint64_t layers[kLayersKept], uint64_t bound, bool at_end, bool is_open,
              uint weight, uint lane, inout bool cut) {
   // A gap's lower and upper polygon are held as index + 1, or 0 for none, | kBackMark where no front faces the gap.

@@ -26,7 +26,7 @@ MeetArgs args;
 #include "subgroup.glsl"
 #include "meetings.glsl"
 
-// Samples of a party are lattice points of the tile here, a bit each.
+// Party::samples are lattice points of the tile here, one bit each.
 Party fetchParty(uint place, uint direction, ivec2 corner) {
   uvec4 cover = texelFetch(cover_texels, int(place));
   Party party;

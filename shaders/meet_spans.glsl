@@ -1,11 +1,10 @@
 // This part of peel_blocked.comp counts, with scanlines, on which lengths of the rows two polygons face each other,
-// whatever lies between them. The samples of a party are a span here: its first position and the position after its
-// last.
+// whatever lies between the two. Party::samples is a span here: its first position and the position after its last.
 
 // Returns the depth of a polygon at a position in the rows.
 uint depthInRow(DepthPlane plane, uint position) {
   int column = int(position % kRowWidth), row = int(position / kRowWidth);
-  // The depth grows by per_column x column / 2^kColumnBits, rounded down. The product per_column x column may need more
+  // Over the columns the depth grows by per_column x column / 2^kColumnBits, rounded down. This product may need more
   // than 64 bits, so per_column is divided first, with remainder.
   int64_t whole = plane.per_column >> kColumnBits, rest = plane.per_column - (whole << kColumnBits);
   int64_t depth = plane.at_corner + plane.per_row * int64_t(row) + whole * int64_t(column) +
@@ -29,7 +28,8 @@ bool haveCommon(uvec2 samples, uvec2 others) { return max(samples.x, others.x) <
 
 uint countCommon(uvec2 samples, uvec2 others) { return min(samples.y, others.y) - max(samples.x, others.x); }
 
-// Compares depths in the middle of every interval between two ends of spans, where peel orders its layers too.
+// Compares depths in the middle of every interval between two ends of spans. Peel orders its layers by the depths
+// there, too.
 uint countInOrder(uvec2 samples, uvec2 others, DepthPlane nearer, DepthPlane farther, inout bool cut) {
   uint from = max(samples.x, others.x), to = min(samples.y, others.y), at = 0u, count = 0u;
   [[unroll]] for (uint step = kMostSpans; step > 0u;

@@ -28,7 +28,7 @@ void main() {
     if (!isInside(makeEdge(corners, k, args.fraction_bits), p)) discard;
   layer = uvec2(key, packed);
   // Bit patterns of positive floats are in the order of their values, so a 32-bit depth buffer compares keys exactly.
-  // There are fewer than 2^30 such patterns below 1, which leaves one bit for the place at ties. It tells place 3 from
-  // place 4; the host refuses scenes with other places.
+  // There are fewer than 2^30 such patterns below 1, which leaves one bit for the place at ties. This bit tells place 3
+  // from place 4; the host refuses scenes with other places.
   gl_FragDepth = uintBitsToFloat((key >> kTieBits << 1 | key >> (kTieBits - 1u) & 1u) + 0x00800000u);
 }

@@ -55,7 +55,8 @@ uint64_t settledBefore(Tile tile, uint next, uint list_end) {
 }
 
 // Tests the samples against the polygons from list_begin to list_end and adds the gaps between their layers. Where
-// lists are sorted and a sample has no room for another layer, gaps between settled layers are added before it goes on.
+// lists are sorted and a sample has no room for another layer, the gaps between settled layers are added first, which
+// makes room.
 void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout uint blocks_done, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;
   uint base = list_begin, t = 0u, passed = 0u, patience = 0u;
@@ -77,16 +78,16 @@ void takePolygons(Tile tile, uint list_begin, uint list_end, uint lane, inout ui
     } while (base < list_end && !full);
     cut = cut || (base < list_end && !full);
     tally.gaps += flush(settledBefore(tile, base + t, list_end), base >= list_end, sample_at.weight, lane, cut);
-    // Where no layer could be added and forgotten, the rest of the list is taken without a stop; the next round gets
-    // the layers that find no room. Otherwise this would stop after every polygon.
+    // Where no layer could be added and removed, the remaining list is taken without a stop, and the next round finds
+    // the layers without room. Otherwise the loop would stop after every polygon.
     if (kSorted) patience = anyOf(isFull()) ? list_end : 0u;
   } while (base < list_end);
   cut = cut || base < list_end;
   tally.tested += kScanlines ? passed : list_end;
 }
 
-// Closes the samples whose layers have all been added, and the samples behind whose last layer no pair counts any more.
-// Returns whether the subgroup has open samples left.
+// Closes the samples whose layers have all been added, and the samples whose further layers cannot be in a pair that
+// counts. Returns whether the subgroup has open samples left.
 bool closeSamples() {
   bool again = false;
   [[unroll]] for (int k = 0; k < kMostSteps; ++k) {

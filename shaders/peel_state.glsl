@@ -44,12 +44,12 @@ shared uvec2 spans[kScanlines ? kMostSpans : 1];
 shared uint ends[kScanlines ? 2 * kMostSpans : 1];
 shared uint window[kScanlines ? kMostSpans : 1];
 
-// These variables hold the samples of an invocation while it goes through the tile's polygons.
+// These variables hold what an invocation knows of each of its samples while it goes through the tile's polygons.
 uint64_t nearest[kMostSteps][kLayersKept];  // the nearest layers of this round, in order
 uint64_t last[kMostSteps];                  // the last layer that has been added, 0 at first
 bool open[kMostSteps];                      // whether the sample may have further layers
 uint end_count;                             // number of entries of `ends`, with scanlines
-uint fresh;                                 // bit k is set while sample k is in its first round
+uint fresh;                                 // bit k is set in the first round of sample k, which counts it as work
 uint64_t lost[kMostSteps];                  // the nearest layer of this round for which there was no room
 // The farthest layers of each sample whose polygons emit, or receive.
 uint64_t farthest_emitter[kMostSteps], farthest_receiver[kMostSteps];
@@ -95,7 +95,7 @@ struct Passing {
   bool covered;                 // with scanlines: whether it covers the sample
   int64_t z, z_per_step;        // its depth before the shift, and the change to the next sample
   int z_shift, z_min, z_max;    // see ProjectedPolygon
-  uint64_t rest;                // its layer without the depth: place at ties << 32 | Layer::polygon
+  uint64_t rest;                // lower bits of its layer, below the depth: place at ties << 32 | Layer::polygon
   uint roles;
 };
 

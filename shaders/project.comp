@@ -24,7 +24,7 @@ bool widenCorner(Edge before, Edge after, vec2 corner, out vec2 widened) {
   n2 /= l2;
   float both = 1.0 + dot(n1, n2);
   widened += kMargin / both * (n1 + n2);
-  return both > 0.02;  // moved by at most kMargin sqrt(2 / 0.02) = 0.625
+  return both > 0.02;  // the corner moves by at most kMargin sqrt(2 / 0.02) = 0.625
 }
 
 void main() {
@@ -76,7 +76,7 @@ void main() {
     Outlines(args.outlines).at[projected_at] = outline;
   }
 
-  // The polygon is stored in six words, for stores take most of this pass's time.
+  // The polygon is stored in six words, for storing takes most of this pass's time.
   Longs words = Longs(args.projected + uint64_t(projected_at) * 48ul);
   words.at[0] = packUint2x32(uvec2(polygon.box_min));
   words.at[1] = packUint2x32(uvec2(polygon.box_max));

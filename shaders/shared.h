@@ -70,8 +70,8 @@ struct Layer {
 
 const uint kKeyPastEverything = 0xFFFFFFFFu;
 
-// LayerCommands are the indirect draw and dispatch of layer k+1 (graphics engine). The device fills them in when layer
-// k has any polygon.
+// LayerCommands are the arguments of the indirect draw and dispatch for layer k+1 (graphics engine). The device fills
+// them in when layer k has any polygon.
 struct LayerCommands {
   uint draw_vertex_count, draw_instance_count, draw_first_vertex, draw_first_instance;
   uint group_count_x, group_count_y, group_count_z;
@@ -146,7 +146,7 @@ const uint kGroupsPerRow = 32768u;  // a dispatch over tiles has at most this ma
 const uint kMostSpans = 1024u;      // spans of the rows that peel takes at once, with scanlines
 const uint kScanlineCell = 32u;     // with scanlines, samples also end at every multiple of this many lattice columns
 const uint kMostRowsAtOnce = 4u;
-const uint kFewSpans = 128u;  // see rowsAtOnce; measured on lavapipe as the fastest of 32 to 512
+const uint kFewSpans = 128u;  // see rowsAtOnce; the fastest of 32 to 512, measured on lavapipe
 
 // Returns how many rows of a tile one workgroup of peel takes at once with scanlines. It takes several rows where the
 // tile's list is short: one row would then have fewer spans than there are invocations.
@@ -199,7 +199,7 @@ struct BatchStatus {
   Groups meet_groups;  // dispatch of meet: x, y over meetings, z over portions of kMostFarther farther polygons
   uint meetings;       // number of meetings
   uint padding;
-  // The members from here on count work; they stay 0 where it is not measured.
+  // The members from here on count work; they stay 0 where no work is measured.
   uint64_t rows;
   uint64_t spans;
   uint64_t samples;
@@ -211,8 +211,8 @@ struct BatchStatus {
 // A tile is tile_width lattice columns by tile_rows lattice rows. A direction's tiles form a grid around the lattice's
 // origin.
 struct BinArgs {
-  // uint[direction_count][tiles_high][tiles_wide]: the roles of all polygons over a tile, or-ed; where only some
-  // polygons count.
+  // uint[direction_count][tiles_high][tiles_wide]: the bitwise or of the roles of all polygons over a tile; only where
+  // some polygons lack a role.
   uint64_t tile_roles;
   // uvec2[direction_count][tiles_high]: where a row of tiles has emitters from column `first` to column `last`, it is
   // (tiles_wide - first, last + 1), else (0, 0); so atomicMax keeps both.

@@ -86,7 +86,7 @@ VIEWPEEL_API viewpeel_status viewpeel_build_scene(const double* points, size_t p
 /* Frees a scene; results do not need it.    In: NULL does nothing. */
 VIEWPEEL_API void viewpeel_free_scene(viewpeel_scene* scene);
 
-/* Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs, as viewpeel::computeFormFactors.
+/* Computes the form factors F_ij of all pairs, as viewpeel::computeFormFactors.
  *   In: options: NULL for the defaults    Out: result, to be freed
  *   Error: as the goal demands.    Returns: BAD_USAGE, DEVICE, MEMORY, LIMIT, STOPPED.
  *   Cost: as computeFormFactors. */

@@ -130,9 +130,10 @@ std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& se
 std::vector<std::pair<std::string, std::string>> parametersOf(const FormFactorRun& run, const Estimate& estimate);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] of all pairs of the request (Pellegrini 1997, sections 4.3 and 5.1), as
-// `viewpeel compute` does.
-//   It plans the run. Where this takes less time, a form factor is the product of an unoccluded form factor and a
-//     visibility, and pairs get lines or directions of their own.
+// `viewpeel compute` does. E is the mean over directions u, and A'_ij(u) the area of the lines along u on which i and j
+// are a facing pair.
+//   It plans the run first. Where it takes less time, form factors are products of unoccluded form factors and
+//     visibilities, and pairs get lines or directions of their own.
 //   In: scene: from loadScene() or buildScene()    Out: see Result
 //   Error: as the goal demands. The estimate is unbiased at any spacing and number of directions, except for the small
 //     bias of visibilities (docs/method.md, section 6). Tests: tests/unit/front_door_test.cpp; tests/consumer compares

@@ -49,12 +49,12 @@ struct Work {
   uint64_t directions = 0;
   uint64_t lattice_points = 0;  // lattice points in tiles that hold a polygon; with scanlines in rows that hold one
   uint64_t tiles = 0;           // tiles of all windows
-  uint64_t active_tiles = 0;    // tiles that hold a polygon; parts of tiles in the compute engine with scanlines
+  uint64_t active_tiles = 0;    // tiles that hold a polygon; with scanlines the compute engine counts parts of tiles
   uint64_t list_entries = 0;    // polygons in tiles, summed over tiles
   uint64_t rows = 0;            // lattice rows of tiles that a polygon covers in part
   uint64_t spans = 0;           // polygons in rows, summed over rows
   uint64_t samples = 0;         // lattice points or intervals that were peeled
-  uint64_t rounds = 0;          // loops over the samples of one subgroup
+  uint64_t rounds = 0;          // passes of a subgroup over its tile's polygons, which find some layers of its samples
   uint64_t tests = 0;           // tests of a sample against a span
   uint64_t fragments = 0;       // samples that a span covers: layers
   uint64_t gaps = 0;            // gaps between consecutive layers that were counted: facing pairs, environment and leak

@@ -18,7 +18,7 @@ struct EnvironmentRequest {
   By by = By::polygon;
   bool two_sided = false;
   glm::dvec3 up{0, 0, 1};   // of any length above 0
-  double tolerance = 1e-3;  // the largest standard error of all form factors to either part and to both, above 0
+  double tolerance = 1e-3;  // largest standard error that up, down and all may have, above 0
   uint64_t seed = 1;        // the same seed gives the same bits
   uint32_t threads = 0;     // 0: one for each core
   // The run ends when this time is over, even within a replicate; four small replicates are counted in any case.
@@ -43,7 +43,8 @@ struct EnvironmentParts {
 };
 
 // Measures the environment of all rows by common directions, which count nothing else.
-//   F_i,up = (2 / A_i) E[A'_i,up(u)], where A'_i,up is the area of the lines along u that leave i upwards
+//   F_i,up = (2 / A_i) E[A'_i,up(u)]. E is the mean over directions u, and A'_i,up(u) the area of the lines along u
+//   that leave row i, and then the scene, upwards.
 //   In: scene; request
 //   Out: see EnvironmentParts
 //   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.
@@ -54,8 +55,8 @@ struct EnvironmentParts {
 EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request,
                                     const Observer& observer = {});
 
-// Splits the environment of form factors that were computed by the shares measured: up + down = all are those of the
-// form factors.
+// Splits each row's form factor to the environment, which another method has computed, by the measured shares. Then up
+// + down = all is that form factor.
 //   up_i = F_i,environment up_share_i
 //   In: form_factors: of the rows of `parts`; parts: of the same scene
 //   Out: parts with other up, down, all and largest_standard_error

@@ -32,10 +32,9 @@ class FormFactors {
   };
 
   // Stores the entries.
-  //   In: entries: sorted by (i, j), every pair at most once, in input units squared; row_sums: sum_j F_ij
-  //   of each id; intervals: of the exchange area of each entry, for a guarantee; else none;
-  //   unlisted_bound: with intervals, a bound on the form factor, from the smaller id, of every pair
-  //   without an entry
+  //   In: entries: sorted by (i, j), every pair at most once, in input units squared; row_sums: sum_j F_ij of each id;
+  //     intervals: of the exchange area of each entry, for a guarantee, else none; unlisted_bound: with intervals, a
+  //     bound on the form factor, from the smaller id, of every pair without an entry
   FormFactors(Ids ids, std::vector<Entry> entries, std::vector<Measured> row_sums, std::vector<Interval> intervals = {},
               double unlisted_bound = 0);
 

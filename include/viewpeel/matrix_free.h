@@ -1,4 +1,5 @@
-// Heat of scenes whose form factors would not fit in memory: products with them are made while directions are peeled.
+// solveMatrixFree() solves the heat of scenes whose form factors would not fit in memory. Each product of the matrix
+// with a vector is summed while directions are peeled.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -26,9 +27,9 @@ struct MatrixFreeObserver {
   // The run calls this before each direction, from any thread. If it returns true the run ends with the answers of the
   // last whole round.
   std::function<bool()> should_stop;
-  // The run calls this after some directions of a product, from its own thread.
-  //   product: number of the product, from 1; largest_error: of the last round, as the tolerance means it; infinite
-  //   before
+  // The run calls this after some directions of a product of the matrix with a vector, from its own thread.
+  //   product: number of the product, from 1; largest_error: the largest standard error after the last round, in the
+  //   tolerance's quantity; infinite before
   std::function<void(uint64_t product, uint64_t directions, uint64_t directions_of_product, double largest_error)>
       on_progress;
 };
@@ -39,7 +40,7 @@ struct MatrixFreeHeat {
   uint32_t replicates = 0, rounds = 0;
   uint64_t directions = 0;    // of all replicates of the last round together
   uint64_t sweeps = 0;        // of the scene along a direction, in all rounds
-  uint64_t memory_bytes = 0;  // of sweeps and vectors, without the scene
+  uint64_t memory_bytes = 0;  // of sweeps and vectors; the scene's memory comes on top
   int resolution = 0;         // lattice spacings across the unit ball's diameter
   double seconds = 0;
   bool is_reached = true;       // false where time was up or the observer stopped the run before the tolerance
@@ -54,7 +55,9 @@ double matrixBytes(uint64_t rows);
 constexpr double kMostMatrixBytes = 4.0 * (1u << 30);
 
 // Solves the enclosure of a scene without form factors in memory: docs/solve.md, eq. (1) to (6) and (14).
-//   x_ij = (2 / N) sum_u A'_ij(u) over N common directions u, which are peeled again for each product with x.
+//   x_ij = (2 / N) sum_u A'_ij(u) estimates the exchange areas from N common directions u. A'_ij(u) is the area of the
+//   lines along u on which i and j are a facing pair. Directions are peeled again for each product of the matrix x with
+//   a vector.
 //   In: scene; materials: grey; request
 //   Out: see MatrixFreeHeat. The first round's answers are kept where a later one is stopped.
 //   Error: standard errors are those of 8 replicates, carried to first order. The equations are solved to

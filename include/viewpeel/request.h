@@ -21,8 +21,8 @@ class Ranks;
 // costs little more, the tolerance becomes a guarantee: see Request::promise.
 struct Tolerance {
   double standard_error = 1e-3;  // above 0
-  // The run may have a second goal: standard errors of all form factors of at least Request::relative_floor, as shares
-  // of their form factors.
+  // A second goal may stand beside the first: every form factor of at least Request::relative_floor has a standard
+  // error of at most this share of it.
   std::optional<double> relative;
 };
 
@@ -37,11 +37,12 @@ struct Seconds {
   double seconds = 60;  // above 0
 };
 
-// A guarantee holds for one of two statistics.
+// A guarantee bounds the error of one of two statistics of the counted directions.
 enum class Statistic {
   mean,  // the mean of blocks of directions
-  // The median is over Q runs of M^2 / epsilon^2 directions (Pellegrini 1997, section 5.3). Each errs by more than
-  // epsilon with probability 1/4 at most, by Chebyshev.
+  // The median of Q independent runs of M^2 / epsilon^2 directions each (Pellegrini 1997, section 5.3), where a
+  // direction adds at most M to a form factor. By Chebyshev's inequality one run errs by more than epsilon with
+  // probability 1/4 at most.
   median,
 };
 
@@ -53,8 +54,8 @@ struct EpsilonDelta {
   double delta = 1e-2;    // in [0, 1); with 0 only what geometry alone proves is in the intervals
   Statistic statistic = Statistic::mean;
   bool rows = false;  // the guarantee also holds for each row's environment
-  // Lattices are made so fine that a direction adds at most this to a form factor, about. It is above 2; 0: the plan
-  // chooses it.
+  // Lattices are made so fine that one direction adds about this much to a form factor at most. It is above 2; with 0
+  // the plan chooses it.
   double range = 0;
   uint32_t block_directions = 0;  // 0: the plan chooses it
 };
@@ -64,8 +65,7 @@ struct FixedAmount {
   uint32_t directions = 400;  // of a replicate
   uint32_t replicates = 8;    // two at least
   int resolution = 0;         // lattice spacings across the scene's diameter; 0: 64
-  // Windows give the polygon that needs the finest lattice this number of spacings across the scene. With 0 there are
-  // no windows.
+  // Windows give the polygon that needs the finest lattice a resolution of at least this. With 0 there are no windows.
   int finest = 0;
 };
 
@@ -77,7 +77,7 @@ struct Amount {
   uint32_t directions = 0;  // of a replicate; 0: the plan chooses
   uint32_t replicates = 8;  // least number
   int resolution = 0;       // 0: the plan chooses
-  int finest = 0;           // with directions and resolution only
+  int finest = 0;           // as FixedAmount::finest; needs directions and resolution
   bool is_exact = false;    // counts exactly `replicates`, even short of the goal, for a part of a run
 };
 
@@ -94,15 +94,15 @@ struct Request {
   std::optional<double> time_limit_s;
 
   std::optional<Sampling> sampling;  // unset: the quicker one
-  // The sampler draws directions over the sphere. Unset: fibonacci, or jittered for a guarantee. A question has
-  // samplers for its rows.
+  // The sampler draws directions over the sphere. Unset: fibonacci, or jittered for a guarantee. A question about one
+  // pair or a few rows has directions drawn for these.
   std::optional<Sampler> sampler;
-  // Only the visibility of each pair is sampled, and multiplied by its unoccluded form factor. Unset: where it is
-  // quicker.
+  // Only the visibility of each pair is sampled, and multiplied by its unoccluded form factor. Unset: the run decides,
+  // by the predicted time.
   std::optional<bool> unoccluded;
   // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
-  // They replace directions that all pairs have in common. The goal must be a Tolerance, Relative or EpsilonDelta.
-  // Unset: where it is quicker.
+  // They replace common directions. The goal must be a Tolerance, Relative or EpsilonDelta. Unset: the run decides, by
+  // the predicted time.
   std::optional<bool> pair_lines;
   // A Tolerance T is promised: it becomes the guarantee EpsilonDelta{T, 0.01} with rows, so every form factor is within
   // T with probability 0.99, and has an interval. Unset: where this costs at most twice an estimate of the same largest

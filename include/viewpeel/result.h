@@ -62,15 +62,15 @@ struct LatticeSummary {
 struct GuaranteeFigures {
   double epsilon = 0, delta = 0;
   double bounds = 0;         // m: number of bounds that have to hold at once
-  double range = 0;          // upper limit for which the lattices were made
+  double range = 0;          // lattices were planned to keep M below this limit
   double largest_range = 0;  // M: the most that a direction adds to a form factor
-  uint64_t hoeffding = 0;    // directions that Hoeffding's bound needs
+  uint64_t hoeffding = 0;    // directions after which Hoeffding's bound is epsilon
   uint32_t block_directions = 0;
-  uint64_t least_blocks = 0;              // Bernstein's bound cannot be epsilon before these blocks
+  uint64_t least_blocks = 0;              // after fewer blocks Bernstein's bound is above epsilon
   uint64_t most_blocks = 0;               // Hoeffding's bound is epsilon after these blocks
   uint64_t expected_blocks = 0;           // an estimate, from a pilot
-  double lemma_1 = 0, lemma_1_all = 0;    // directions of Pellegrini's Lemma 1: for one pair, and for m bounds at once
-  uint64_t runs = 0, run_directions = 0;  // of the median
+  double lemma_1 = 0, lemma_1_all = 0;    // directions by Pellegrini's Lemma 1: for one pair; for m bounds at once
+  uint64_t runs = 0, run_directions = 0;  // of Statistic::median: runs, and directions of each
   double least_seconds = 0, expected_seconds = 0, most_seconds = 0;  // estimates
 };
 
@@ -78,19 +78,19 @@ struct GuaranteeFigures {
 struct LineGuaranteeFigures {
   double epsilon = 0, delta = 0;
   uint64_t exact = 0;    // entries that nothing can block
-  uint64_t bounded = 0;  // entries that geometry bounds to epsilon
-  uint64_t drawn = 0;    // entries that need lines for this
+  uint64_t bounded = 0;  // entries whose geometry alone bounds the error to epsilon
+  uint64_t drawn = 0;    // entries that need lines for such a bound
   double expected_lines = 0, most_lines = 0;
-  double most_for_one = 0;                       // by the entry that needs most
+  double most_for_one = 0;                       // lines of the entry that needs most
   std::pair<std::string, std::string> neediest;  // that entry's ids by name; the second may be "leak"
-  double lemma_1 = 0, lemma_1_all = 0;  // directions of Pellegrini's Lemma 1: for one pair, and for all entries
-  double median_directions = 0;         // of the median of runs (section 5.3), for all entries
+  double lemma_1 = 0, lemma_1_all = 0;  // directions by Pellegrini's Lemma 1: for one pair, and for all entries
+  double median_directions = 0;         // directions of Statistic::median, for all entries
   double plan_seconds = 0, expected_seconds = 0, most_seconds = 0;
   // Predicted costs of this guarantee and of an estimate of the same largest error: seconds of one thread, from numbers
   // of pairs and lines alone, so that they are the same on every machine.
   double cost = 0, estimate_cost = 0;
-  // Pairs below this unoccluded form factor get no lines: common directions count them, and 0 is within epsilon of
-  // them.
+  // Pairs with a smaller unoccluded form factor get no lines: common directions count them, and 0 is within epsilon of
+  // their form factors.
   double least_form_factor = 0;
 };
 
@@ -120,7 +120,7 @@ struct PlanSummary {
   bool unoccluded = false;
   uint32_t directions = 0;               // of a replicate
   std::vector<LatticeSummary> lattices;  // the whole scene's first
-  int finest = 0;                        // least resolution for the polygon that needs the finest; 0: no windows
+  int finest = 0;                        // least resolution around the polygon that needs the finest; 0: no windows
   double seconds = 0;                    // of counting all replicates of the request, predicted; 0 without a plan
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on pilots; 0 without a plan
@@ -144,10 +144,10 @@ std::string optionsOf(const PlanSummary& plan);
 struct PriorSummary {
   uint64_t pairs = 0;          // of polygons, with unoccluded form factors
   uint64_t never_blocked = 0;  // number of these pairs that nothing blocked in the pilot
-  // Pairs whose unoccluded form factors were not accurate enough, so that their form factors are counted alone.
+  // Pairs whose unoccluded form factors were not accurate enough; their form factors come from counts alone.
   uint64_t unreached = 0;
   uint64_t directed_pairs = 0,
-           directed_directions = 0;  // directed pairs, and their directions in a replicate
+           directed_directions = 0;  // directed pairs, and the directions that they have of their own in a replicate
   double pilot_seconds = 0, unoccluded_seconds = 0, directed_seconds = 0;
 };
 
@@ -182,8 +182,8 @@ struct Result : Estimate {
   double leak_share = 0;                        // share that ends on backs of polygons
   std::optional<BalancedFormFactors> balanced;  // with Request::balance
   std::optional<Error> balance_refusal;         // why `balanced` is missing
-  // Each warning is one line: faces that look the wrong way, judged by their leaks unless the run was stopped; and a
-  // promise that the run could not keep.
+  // Each warning is one line. It names faces that look the wrong way, judged by their leaks unless the run was stopped,
+  // or a promise that the run could not keep.
   std::vector<std::string> warnings;
   PlanSummary plan;
   std::string division;      // a few lines about the engine's work and memory

@@ -70,7 +70,7 @@ struct EmptyRow {
   bool operator==(const EmptyRow&) const = default;
 };
 
-// Coplanar polygons share one Plane, whichever way they face. So a line hits them at exactly the same depth.
+// A Plane is shared by all coplanar polygons, whichever way they face. So a line hits them at exactly the same depth.
 struct Plane {
   glm::dvec3 normal{0};  // unit length
   double offset = 0;     // dot(normal, x) = offset on the plane, unit-ball units
@@ -78,8 +78,8 @@ struct Plane {
 
 // Coincidences counts the pairs of polygons that coincide over some area, by their order (coincident.h).
 struct Coincidences {
-  uint64_t sheets = 0;    // pairs back to back, as the two sides of a thin wall
-  uint64_t contacts = 0;  // pairs face to face, as the walls of touching solids
+  uint64_t sheets = 0;    // pairs that lie back to back, as the two sides of a thin wall
+  uint64_t contacts = 0;  // pairs that lie face to face, as the walls of touching solids
   uint64_t in_doubt = 0;  // sheets and contacts for which the polygons around them give contradictory answers
   // Pairs of polygons that look the same way, where the direction of a line decides which of the two it hits first.
   // Their planes cross within rounding, or they lie in a stack of more than kTieRanks polygons.

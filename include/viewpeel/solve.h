@@ -106,7 +106,8 @@ struct HeatSolution {
   Measured to_environment;        // heat flow out of the scene
   // Heat flows to sky and ground, if they have temperatures; they add up to to_environment.
   std::optional<Measured> to_up{}, to_down{};
-  // balance_residual is the heat flow of all rows less to_environment; heat_flow_total is half the sum of all sizes.
+  // balance_residual is the sum of all rows' heat flows less to_environment; heat_flow_total is half the sum of their
+  // absolute values.
   double balance_residual = 0, heat_flow_total = 0;
   // Row `lacking_row` has the form factors whose sum, environment included, is farthest from 1.
   double largest_lack = 0;
@@ -115,8 +116,10 @@ struct HeatSolution {
 };
 
 // Solves the enclosure: docs/solve.md, eq. (1) to (6), and (11) to (13) with bands of wavelengths.
-//   B_i = e_i s T_i^4 + (1 - e_i) H_i, or B_i = q_i + H_i where q_i is given;  A_i H_i = sum_j x_ij B_j + x_ie s T_e^4
-//   A row whose form factors do not sum to 1 exchanges the difference with itself. So exchange stays symmetric, energy
+//   B_i = e_i s T_i^4 + (1 - e_i) H_i, or B_i = q_i + H_i where q_i is given; A_i H_i = sum_j x_ij B_j + x_ie s T_e^4.
+//   B is radiosity, H irradiation, e emissivity, s the Stefan-Boltzmann constant, T temperature, q heat flux, x
+//   exchange area; index e is the environment. A row whose form factors do not sum to 1 exchanges the difference with
+//   itself. So exchange stays symmetric, energy
 //     is conserved, and in a scene of one temperature all heat fluxes are 0 whatever the errors.
 //   In: form_factors: of all rows; with intervals (GuaranteedBy::chernoff) there must be one for every pair that may
 //     see each other; enclosure: with a material for each row, and with environment_parts where sky and ground have
@@ -124,8 +127,8 @@ struct HeatSolution {
 //   Out: see HeatSolution; bounds where form factors have intervals, eq. (10). They hold for scenes without leak.
 //   Error: of the equations 1e-11 of the largest |B - s T_0^4| for emissivities from 1e-3 on, where T_0 is the
 //     temperature of the environment or the first given one. Standard errors are of first order, for independent pairs;
-//     above 1,000 rows they have a standard error of 1/16 of themselves. Tests: tests/unit/solve_heat_test.cpp,
-//     solve_errors_test.cpp, solve_bounds_test.cpp.
+//     above 1,000 rows they are themselves estimates with a relative standard error of 1/16. Tests:
+//     tests/unit/solve_heat_test.cpp, solve_errors_test.cpp, solve_bounds_test.cpp.
 //   Throws: Error bad_usage for form factors of some rows only, for materials that do not match them, or for intervals
 //     together with sky and ground or with bands; bad_input where radiation ends on backs, leaves a scene without an
 //     environment, rows exchange with no given temperature, or a heat flux would need a temperature below 0; limit
@@ -190,7 +193,8 @@ struct ExchangeFactors {
 };
 
 // Computes the exchange factors of an enclosure: docs/solve.md, eq. (9).
-//   B = (I - F R)^-1 F E; its rows, environment included, sum to 1
+//   B = (I - F R)^-1 F E, with diagonal matrices of emissivities E and reflectivities R = I - E; rows of B, environment
+//   included, sum to 1
 //   Pairs whose Gebhart factors are below drop_below in both directions are left out, except each row's largest. The
 //     others are then balanced (balanceRows), so that R stays symmetric, rows still sum to A_i e_i, and energy is
 //     conserved.

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A team of 16 invocations draws one portion: each invocation draws one line of every block. A workgroup has four
-// teams.
+// A team of 16 invocations draws one portion of a pair's lines: each invocation draws one line of every block. A
+// workgroup has four teams.
 //   In: LinePortionData portions[portion_count], LineTaskData tasks[], LinePairData pairs[], ObstacleData obstacles[]
 //   Out: LinePortionSums sums[portion_count], the same bits as LineDrawer's (host/pair_lines/draw_lines.cpp)
 #include "pair_lines.glsl"
@@ -120,7 +120,8 @@ Line drawContact(uint team, vec4 u) {
   return line;
 }
 
-// Returns a number that is at most 0 where obstacle k blocks the line (docs/method.md, section 13).
+// Returns a number that is at most 0 where obstacle k blocks the line, and above 0 elsewhere (docs/method.md, section
+// 13).
 float passing(uint team, uint k, Line line) {
   uint place = obstacles[team][k].place;
   precise vec3 x;

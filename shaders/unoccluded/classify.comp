@@ -12,8 +12,8 @@ layout(local_size_x = 64) in;
 layout(push_constant, scalar) uniform Args { ClassifyArgs pushed; };
 ClassifyArgs args;
 
-// Returns the largest |slope| / value that a bilinear function on the square has at the middle of an edge, at most 1.
-//   In: at: its values at the corners, where the sum of two neighbours is not negative
+// Returns the largest |slope| / value at the middles of the square's edges, at most 1: of a bilinear function on the
+//   square, along each edge. In: at: its values at the corners, where the sum of two neighbours is not negative
 float slopeOf(dvec4 at) {
   dvec4 next = at.yzwx;
   vec4 difference = vec4(abs(at - next)), sum = vec4(at + next);
@@ -23,15 +23,15 @@ float slopeOf(dvec4 at) {
   return slope;
 }
 
-// Coordinates holds the terms of the bound (37) that a polygon's two coordinates share. They are in single precision,
-// whose rounding is 1e-6 of the bound.
+// Coordinates has the terms of the error bound, docs/method.md, eq. (37), that u and v of one polygon share. In single
+// precision they are rounded by 1e-6 of the bound.
 struct Coordinates {
-  float t, square, power;  // t, t^2 and, for a rule of n points, t^(2n - 2)
+  float t, square, power;  // t of eq. (37), t^2 and, for a rule of n points, t^(2n - 2)
   float slopes, product;   // s + j and s j
   float factor;            // 2 (1 + t)^4 / (1 - s j / 3)
 };
 
-// Returns the terms for a shape, for the rule of fewest points.
+// Returns these terms of a polygon, for the rule of fewest points.
 //   In: distance: between the middles of the two polygons; other_radius: the other polygon's radius; slope: see slopeOf
 Coordinates coordinatesOf(ShapeData shape, double distance, double other_radius, float slope) {
   Coordinates c;
@@ -44,9 +44,9 @@ Coordinates coordinatesOf(ShapeData shape, double distance, double other_radius,
   return c;
 }
 
-// Returns the bound on a rule's relative error over a polygon's two coordinates, or 1 where it is of no use. Each sum
-// over k in (37) is at most its first term times 1 / (1 - tail t^2), which is at most 1 + 2 tail t^2 while tail t^2 <=
-// 1/2.
+// Returns the bound of eq. (37) on the relative error of a rule over u and v of one polygon, or 1 where the bound is
+// useless. Each sum over k in it is at most its first term / (1 - tail t^2), where FarBound::tail bounds the ratio of
+// consecutive terms by tail t^2. That quotient is at most 1 + 2 tail t^2 while tail t^2 <= 1/2.
 float errorOf(FarBound rule, Coordinates c) {
   float rest = rule.tail * c.square, series = rule.even * c.square + rule.odd * c.slopes * c.t + rule.skew * c.product;
   return rest < 0.5 ? c.factor * c.power * series * (1.0 + 2.0 * rest) : 1.0;

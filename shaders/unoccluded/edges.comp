@@ -1,6 +1,7 @@
 #version 460
-// Of a pair's two polygons the parts in front of each other's planes are integrated. One invocation takes one edge of
-// the first part, with each edge of the second part, and chooses the rule for the line integral over the two edges.
+// Each polygon of a pair is cut to its part in front of the other's plane, and the integral is over the two parts. One
+// invocation takes one edge of the first part with each edge of the second part. It chooses the rule for the line
+// integral over these two edges.
 //   In: shapes, pairs, near     Out: edges; lists, of pairs of edges, by rule; values: 0, with bounds on their errors
 //   Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974.
 #extension GL_GOOGLE_include_directive : require
@@ -73,7 +74,7 @@ void main() {
   dvec3 origin = meanCorner(sides.a);
   double distance = length(meanCorner(sides.b) - origin);
   dvec4 depths_a = depthsOf(sides.a, sides.b, sides.normal_b), depths_b = depthsOf(sides.b, sides.a, sides.normal_a);
-  if (areTouching(sides)) depths_a = depths_b = dvec4(1.0LF);  // as across a narrow gap: nothing is cut off
+  if (areTouching(sides)) depths_a = depths_b = dvec4(1.0LF);  // touching polygons: nothing is cut off
   EdgeData edges_a[kMostEdges] =
       frontEdges(sides.a, depths_a, depthRounding(sides.b, distance + sides.a.radius), origin);
   EdgeData edges_b[kMostEdges] =

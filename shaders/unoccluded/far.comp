@@ -1,6 +1,7 @@
 #version 460
 // One invocation integrates one pair by a product Gauss rule:
-//   A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx.
+//   A_i F_ij = int_i int_j (n_j . (x - y)) (n_i . (y - x)) / (pi |y - x|^4) dy dx, over points x of i and y of j with
+//   unit normals n.
 //   In: shapes, pairs, list: indices of pairs     Out: areas
 #extension GL_GOOGLE_include_directive : require
 #include "unoccluded.glsl"

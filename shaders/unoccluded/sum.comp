@@ -1,5 +1,6 @@
 #version 460
-// One invocation adds up the line integrals of one pair:  A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
+// One invocation adds up the line integrals of one pair: A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt. Points s and
+// t run around the two polygons, at distance r of each other.
 //   In: shapes, pairs, near, values
 //   Out: areas; again: pairs that need rules with more points; unreached: pairs that are not accurate with the most
 //     points
@@ -26,7 +27,7 @@ void main() {
   double least = 1e-9LF * min(sides.a.area, sides.b.area);
   double area = (sides.is_flipped ? -sum : sum) / (2.0LF * kPi);
   bool is_reached = error <= max(least, 1e-6LF * area);
-  // Polygons of one plane that do not overlap exchange nothing.
+  // Polygons that lie in one plane, face to face, without an overlap exchange nothing.
   if (areTouching(sides) && area <= least) area = 0.0LF;
   Doubles(args.areas).at[pair] = max(area, 0.0LF);
   if (is_reached) return;

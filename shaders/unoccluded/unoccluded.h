@@ -11,7 +11,7 @@ struct ShapeData {
   double density_v;
   double reach;   // half of the longest line along which only u, or only v, changes
   double radius;  // greatest distance of a corner from the mean of the corners
-  double skew;    // greatest |slope| / value of the density at the middle of such a line, 0 to 1
+  double skew;    // greatest |slope| / value of the density at the middle of such a line, 0 to 1: 0 for a parallelogram
   double tilt;    // how much rounding of the corners may tilt the plane: depth per distance
   double area;
   uint plane;     // twice the index of the scene's plane, plus 1 where the front looks against its normal
@@ -34,7 +34,8 @@ const uint kFewestFarPoints = 2u;
 const uint kFarRules = 5u;
 const uint kMostFarPoints = kFewestFarPoints + kFarRules - 1u;
 
-// A FarBound holds the coefficients of the bound (37) on a product rule's error, see errorOf in classify.comp.
+// A FarBound holds the coefficients of docs/method.md, eq. (37), the bound on a product rule's error; see errorOf in
+// classify.comp.
 struct FarBound {
   float even, odd, skew, tail;
 };
