@@ -13,7 +13,7 @@ double divergence(double x, double y) {
   return with + without;
 }
 
-// Returns the largest expectation mu above the observed mean with n KL(mean, mu) <= l.
+// Returns the largest expectation mu above the observed mean with n KL(mean, mu) <= l, as in chernoff.h.
 double upperBound(double mean, double n, double l) {
   if (mean >= 1) return 1;
   if (mean <= 0) return -std::expm1(-l / n);

@@ -1,4 +1,5 @@
-// A pair becomes a directed pair where the run then ends sooner. Pilots of each pair say how many directions it needs.
+// This file chooses the pairs that get directions of their own, because the run then ends sooner. Pilots of each pair
+// say how many directions it needs.
 #include "estimator/directed_pairs.h"
 
 #include <algorithm>
@@ -18,16 +19,18 @@ namespace {
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 // The unit of work is the time that one polygon takes at one lattice point, some 10 ns. Costs were measured on lavapipe
 // and are used on every device, so that parts of a run on different devices choose alike.
-constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;  // to project a polygon along a direction
-constexpr double kPointCost = 4;                                 // when blocked pairs are counted, too
+constexpr double kPolygonCost = 100,
+                 kDirectedPolygonCost =
+                     30;          // to project a polygon: along a common direction, and along one of a directed pair
+constexpr double kPointCost = 4;  // when blocked pairs are counted, too
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
 constexpr double kDearest = 8;  // most directions of a pair, as a multiple of the common ones
-// With this expected number of directions none hits the pair in e^-3 = 5 % of cases. Fewer say little of its
-// visibility.
+// A pair needs at least this expected number of hits. Of three expected ones none comes in e^-3 = 5 % of cases; with
+// fewer its visibility stays unknown.
 constexpr double kFewDirections = 3;
-constexpr int64_t kMostOnTrust = 8;                       // most pairs where no pilot saw a polygon blocked
+constexpr int64_t kMostOnTrust = 8;  // most directed pairs among those of which no pilot saw a blocked line
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
-constexpr double kWorthIt = 0.8;                          // largest share of the other work that is worth it
+constexpr double kWorthIt = 0.8;                          // directed pairs must bring the work down to this share
 constexpr double kMostReplicates = 1e12;
 
 using Key = std::pair<uint32_t, uint32_t>;
@@ -36,7 +39,7 @@ double smallerArea(const Ids& ids, Key pair) {
   return std::min(ids.areas[pair.first], pair.second < kEnvironment ? ids.areas[pair.second] : INFINITY);
 }
 
-// Returns the error that the goals allow a pair's exchange area; infinite where no goal is about the pair.
+// Returns the standard error that the goals allow a pair's exchange area; infinite where no goal concerns the pair.
 double allowedError(const EstimateOptions& options, double area, double exchange) {
   double allowed = options.tolerance ? *options.tolerance * area : INFINITY;
   if (options.relative && exchange >= options.relative_floor * area)
@@ -68,11 +71,11 @@ struct PredictedError {
   }
 };
 
-// PilotVariances holds variances of the pilots' exchange areas. Pairs are looked up in rising order.
+// PilotVariances holds the variance of each pair's exchange area over the pilots. Pairs are looked up in rising order.
 class PilotVariances {
  public:
-  // Each half of the pilots uses the visibilities of the other half. With its own visibilities, a pair of few lines
-  // would seem better known than it is.
+  // Each half of the pilots uses the visibilities of the other half. With visibilities from the same half, a pair of
+  // few lines would seem better known than it is.
   PilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
@@ -94,7 +97,7 @@ class PilotVariances {
       });
     }
   }
-  // Returns a pair's variance; nothing where no line counted. Pairs must come in rising order.
+  // Returns a pair's variance; nothing where no line hit the pair. Pairs must come in rising order.
   std::optional<double> of(Key pair) {
     double sum = 0;
     bool has_variance = false;
@@ -140,8 +143,8 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     double exchange = 2 * double(count) * pilots.count_area / (pilots.directions * pilot_count);
     if (may_direct) exchange = std::max(exchange, error.most * pair_prior->visibility / kVisibilityOne);
     PredictedError unsure = error;
-    // Agreement of few directions proves little. About `expected_directions` hit the pair, and it may be visible to
-    // half.
+    // It proves little if a few directions agree that nothing blocks the pair. About `expected_directions` hit it, and
+    // its true visibility may be one half.
     if (const double expected_directions = directions * error.most / (2 * area);
         may_direct && expected_directions < kFewDirections &&
         error.most * error.most / (4 * expected_directions) > error.variance) {
@@ -168,7 +171,8 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     if (is_counted) ++count;
     if (has_prior) ++at;
   }
-  // Pairs on trust most likely reach the goal, so they are needs only where they are few.
+  // A pair on trust is one of which no line was seen blocked. It most likely reaches the goal, so such pairs are needs
+  // only where they are few.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
     std::erase_if(needs, [](const Need& need) { return need.on_trust; });
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {
@@ -222,7 +226,8 @@ class RunWork {
   double common_ = 0, directed_ = 0;  // of one direction
 };
 
-// Returns the pair with as many directions as it needs, and its visibility; with 0 directions where this gains nothing.
+// Returns the pair with its visibility and as many directions as it needs; with 0 directions where directions of its
+// own gain nothing.
 DirectedPair fit(PairSampler& sampler, const Ids& ids, const Need& need, DirectedPair pair,
                  const EstimateOptions& options) {
   pair.directions = kPilotDirections;

@@ -80,7 +80,8 @@ void PairSampler::prepare(std::span<DirectedPair> pairs) {
   }
 }
 
-// Returns ids by role: 0 for the emitter, from 1 on for its partners, and a last one for all obstacles.
+// Returns an id for each face: 0 for the emitter, numbers from 1 on for its partners, and a last one for all obstacles
+// together.
 Ids PairSampler::idsOf(uint32_t emitter, const std::vector<uint32_t>& partners) const {
   Ids ids;
   ids.two_sided = face_ids_.two_sided;

@@ -1,12 +1,12 @@
-// Directed pairs are pairs of faces that common directions hardly hit. They are sampled by further directions, within
-// their anti-convex hulls.
+// Directed pairs are pairs of faces that common directions hardly hit. They are sampled by further directions, along
+// which a line can reach one face from the other.
 //
 // All lines between two faces lie along the directions of a region W of the half sphere (findPairRegion). Eq. (10) of
-// docs/method.md gives C_ij from directions uniform in W, and eq. (25) the area that one counted point stands for,
-// facing or blocked. With it eq. (17) is unbiased if W, the number of directions, the spacing and b are fixed
-// beforehand. Pilots fix them, with other random numbers than the run. In the run the form factor of a directed pair
-// comes from its directions alone, in every replicate; every other pair uses common directions alone. So no choice
-// depends on the run's counts.
+// docs/method.md estimates the exchange area from directions uniform in W, and eq. (25) gives the area that one counted
+// point stands for, facing or blocked. With this area eq. (17) is unbiased if W, the number of directions, the spacing
+// and the visibility b are fixed beforehand. Pilots fix them, with other random numbers than the run. In the run the
+// form factor of a directed pair comes from its directions alone, in every replicate; every other pair uses common
+// directions alone. So no choice depends on the run's counts.
 //
 // A directed pair has the run's replicates and separate random numbers. Counts are a function of seed, pair and
 // replicate number, and add up as integers. Row sums, environment and leak stay with the common directions. Tests:
@@ -25,7 +25,7 @@
 
 namespace viewpeel {
 
-constexpr double kEmitterSpacings = 16;  // spacings of the lattice in the root of the emitter's area
+constexpr double kEmitterSpacings = 16;  // lattice spacings in the square root of the emitter's area
 
 struct EstimateOptions;
 
@@ -42,7 +42,7 @@ class PairSampler {
   // Returns the pair with this number of directions a replicate, and a lattice of 16 spacings in the root of the
   // emitter's area. It has 0 directions where no line can reach one face from the other. It has 0, too, where the
   // direction of a line decides which of two coincident polygons comes first (Coincidences::alike_unordered).
-  // Directions of a pair have no opposite ones to make up for it.
+  // Directions of a pair come without their opposites, which would make up for such an order.
   DirectedPair direct(uint32_t i, uint32_t j, uint32_t directions);
   // Makes the engines that these pairs need and that do not exist yet, and sets the area that one count stands for.
   void prepare(std::span<DirectedPair> pairs);
@@ -87,9 +87,9 @@ struct CommonPilots {
 // Returns the pairs that prevent a run from reaching its goal, if it gets there sooner with them as directed pairs
 // (docs/method.md, section 8).
 //   The text before eq. (26) gives the error of a pair after R replicates, and the least variance of a pair that few
-//     directions hit. Where no line counted, the error is at least that of an unmet pair (ControlVariateSums). A pair
-//     of polygons that were never seen blocked is treated alike, if there are at most 8 such pairs. Eq. (26) gives the
-//     number of pairs, and pilots of each pair give its number of directions M.
+//     directions hit. Where no line counted, the error is at least that of an unmet pair (ControlVariateSums). Pairs of
+//     polygons that were never seen blocked are treated in the same way, if there are at most 8 of them. Eq. (26) gives
+//     the number of pairs, and pilots of each pair give its number of directions M.
 //   In: options: goals, replicates, directions, seed
 //   Out: sorted by pair; none without a goal, and where it would save less than a fifth of the work. The choice is a
 //     function of counts and options, not of time, so parts of a run choose alike.

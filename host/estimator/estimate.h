@@ -19,8 +19,8 @@ class PairSampler;
 
 struct EstimateProgress {
   uint64_t replicates = 0;
-  // This is the largest standard error over all form factors so far. It is infinite without a goal, and before the
-  // least number of replicates is done.
+  // The largest standard error so far is over all form factors. It is infinite without a goal, and before the least
+  // number of replicates is done.
   double largest_standard_error = 0;
 };
 
@@ -36,7 +36,7 @@ struct EstimateOptions {
   std::optional<double> relative;
   double relative_floor = 0.01;
   // The run starts no replicate that would end after this time, even if fewer than `replicates` are done. A run has two
-  // replicates at least, and this call counts one at least.
+  // replicates at least, and a resumed run counts one more at least.
   std::optional<double> seconds;
   uint64_t seed = 1;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
@@ -72,8 +72,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 //   In: scene, ids: those of the engine
 //   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon. Their small
 //     bias is bounded in visibility_sums.h, and pairs that no line hit are guessed from their neighbours
-//     (neighbour_visibility.h). The standard error is of independent replicates, or of the guess. Tests:
-//     tests/laws/closed_form_test.cpp.
+//     (neighbour_visibility.h). The standard error comes from the spread of independent replicates; a guess brings its
+//     own. Tests: tests/laws/closed_form_test.cpp.
 //   Throws: whatever the engine and the callbacks throw, except Interrupted; Error bad_usage for zero directions, fewer
 //     than 2 replicates, a goal that is not positive, or directed pairs (directed_pairs.h) in options.resumed where
 //     options.pairs is nullptr.

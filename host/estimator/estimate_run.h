@@ -27,8 +27,8 @@ class EstimateRun {
   double largestStandardError() const { return largest_error_; }
   // Returns the estimate of the replicates up to now.
   Estimate estimateSoFar() const;
-  // Returns the same estimate. It may be called once, after the last step, and takes over the form factors that this
-  // step has computed.
+  // Returns the same estimate. It may be called once, after the last step. It saves time, because it moves out the form
+  // factors that this step has computed.
   Estimate takeEstimate();
 
  private:

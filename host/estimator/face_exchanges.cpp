@@ -31,7 +31,8 @@ void FaceExchanges::learn(RunSums& sums) {
   std::vector<PairPrior> found = sums.prior_sums->pairsOutsidePrior(hasRows() ? kLinesToLearn : kLinesForVisibility);
   compute(found);
   for (PairPrior& pair : found)
-    // A line hit the pair, so its F0 is not 0. One face lies in the other's plane within rounding.
+    // A line hit the pair, so its unoccluded form factor is not 0, although it was computed as 0: one face lies in the
+    // other's plane within rounding.
     if (pair.exchange == 0) pair.exchange = INFINITY;
   sums.prior_sums->learn(found);
 }

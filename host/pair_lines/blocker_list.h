@@ -1,4 +1,5 @@
-// A BlockerList holds blockers' boxes in groups of eight, one coordinate after the other, for vector instructions.
+// A BlockerList holds the bounding boxes of blockers in groups of eight, one coordinate after the other, so that one
+// vector instruction tests eight boxes.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -17,7 +18,7 @@ class BlockerList {
     uint32_t indices[kBlockerLanes];
   };
 
-  // Takes all members out and makes room for so many.
+  // Removes all members and makes room for this many.
   void clear(size_t most) {
     size_ = 0;
     if (groups_.size() < most / kBlockerLanes + 1) groups_.resize(most / kBlockerLanes + 1);
@@ -36,7 +37,7 @@ class BlockerList {
     group.indices[at] = from.indices[lane];
     for (int bound = 0; bound < 6; ++bound) group.bounds[bound][at] = from.bounds[bound][lane];
   }
-  // Fills the last group up, after the last add().
+  // Fills the free places of the last group with empty boxes; it is called after the last add().
   void close();
 
   size_t size() const { return size_; }

@@ -19,7 +19,7 @@ class BlockerMesh {
   BlockerMesh(const Scene& scene, std::span<const uint32_t> of_polygon, size_t blocker_count);
 
   size_t edgeCount() const { return ends_.size(); }
-  // Returns the edges of a blocker's outline, each of which an odd number of its polygons have.
+  // Returns the edges of a blocker's outline: the edges that an odd number of its polygons have.
   std::span<const uint32_t> edgesOf(uint32_t blocker) const {
     return {&edges_[first_edges_[blocker]], first_edges_[blocker + 1] - first_edges_[blocker]};
   }

@@ -43,7 +43,8 @@ Blocker blockerOf(const std::vector<dvec3>& corners, const Scene& scene, const P
   return b;
 }
 
-// A Joiner joins polygons of one plane, level and facing across common edges, as long as the union is convex.
+// A Joiner joins polygons across common edges as long as the union is convex. Both polygons must have the same plane,
+// level and side of their front.
 class Joiner {
  public:
   explicit Joiner(const Scene& scene) : scene_(scene) {
@@ -121,7 +122,7 @@ class Joiner {
     return kept;
   }
 
-  // Joins one neighbour. Returns whether there was one.
+  // Joins one neighbour to a polygon. Returns false where no neighbour can be joined.
   bool extend(uint32_t k) {
     const dvec3 normal = frontNormal(scene_, scene_.polygons[k]);
     for (size_t e = 0; e < loops_[k].size(); ++e) {

@@ -1,7 +1,8 @@
 // Blockers stand in the way of lines: they are the scene's polygons, neighbours of one plane joined to convex ones.
 //
-// A line cares only whether something is in its way, not what. A wall of 2,500 quadrilaterals is one blocker. Joining
-// neighbours makes tests of lines against blockers cheaper and leaves fewer pairs that several blockers hide together.
+// It matters only whether something blocks a line, not which polygon does. A wall of 2,500 quadrilaterals is one
+// blocker. Joining neighbours makes tests of lines against blockers cheaper, and leaves fewer pairs that only several
+// blockers together hide.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -14,7 +14,8 @@ namespace {
 using glm::dvec3;
 
 constexpr uint32_t kLeafPatches = 16;
-// Weight of a patch's normal beside its place, in sizes of the scene: patches of a cluster should look the same way.
+// Clusters gather patches that are close in place and in normal. A difference of normals counts as this many sizes of
+// the scene.
 constexpr double kNormalWeight = 0.3;
 
 // Returns whether convex polygons of one plane have more than an edge in common.
@@ -46,7 +47,7 @@ PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
   std::vector<uint32_t> of_polygon;
   blockers_ = makeBlockers(scene, true, &of_polygon);
   mesh_ = std::make_unique<BlockerMesh>(scene, of_polygon, blockers_.size());
-  // Large blockers come first, for they hide most: where one hides all, the rest need no test.
+  // Large blockers come first, for they hide most: where one covers the whole patch, smaller ones need no test.
   std::vector<double> sizes;
   for (const Blocker& blocker : blockers_) {
     glm::dvec3 area(0);

@@ -1,9 +1,9 @@
 // A Curtain is a surface of blockers that share edges. Its rim is the edges with the surface on one side only. It hides
 // two convex ends of lines from each other where three things hold: no line between the ends meets the rim, no end
 // touches the curtain, and one line crosses it an odd number of times. Proof: any line between the ends can be moved
-// into any other without a jump. Meanwhile its number of crossings changes by two at a time. A change by one would need
-// a line that meets the rim, or an end that meets the curtain. So every line crosses it an odd number of times, at
-// least once. Two walls that meet at a corner, or a wall in pieces, are such surfaces.
+// into any other without a jump. While it moves, the number of its crossings with the curtain changes by two at a time.
+// A change by one would need a line that meets the rim, or an end that meets the curtain. So every line crosses it an
+// odd number of times, at least once. Two walls that meet at a corner, or a wall in pieces, are such surfaces.
 #pragma once
 #include <algorithm>
 #include <cstdint>

@@ -53,7 +53,7 @@ constexpr uint32_t groupsFor(size_t invocations, uint32_t of_group) {
   return static_cast<uint32_t>((invocations + of_group - 1) / of_group);
 }
 
-// A Place says where a task's next portion begins.
+// A Place says which task comes next, and at which of its blocks the next portion begins.
 struct Place {
   size_t task = 0;
   uint32_t block = 0;  // counted from the task's first block

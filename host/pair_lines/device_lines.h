@@ -22,7 +22,7 @@ namespace viewpeel {
 struct LineTask {
   uint32_t a, b;  // patches
   LineWay way = LineWay::points;
-  double exchange = 0;  // A F with nothing in between, in units of radius^2, above 0
+  double exchange = 0;  // exchange area with nothing in between, unit-ball units squared, above 0
   std::span<const PlacedBlocker> between;
   std::array<uint32_t, 4> scrambles{};
   uint32_t first = 0, end = 0;  // from block `first` to before block `end`, of 16 lines each

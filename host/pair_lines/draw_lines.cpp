@@ -14,7 +14,7 @@ namespace viewpeel {
 namespace {
 
 using glm::dvec3;
-using namespace pair_lines_data;  // constants
+using namespace pair_lines_data;  // constants of shaders/pair_lines/pair_lines.h
 
 // SobolBits has the direction numbers of Sobol' points in Gray's order: for each dimension and each bit of a point's
 // number, with the first binary digit lowest. Source: Joe & Kuo, new-joe-kuo-6.21201, dimensions 1 to 4.
@@ -55,8 +55,8 @@ static_assert(1 << 4 == kLineLanes);
 
 using Vector = LaneVector<Floats>;
 
-// Turns digits into numbers in [0, 1), scrambled as Owen does, by a hash (B. Burley, Practical hash-based Owen
-// scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
+// Turns the binary digits of Sobol' points into numbers in [0, 1), with Owen's scrambling by a hash (B. Burley,
+// Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
 VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
   Words x = digits ^ (digits * all(0x3d20adeau));
   x += all(seed);
@@ -104,7 +104,8 @@ struct Lines {
   Floats open;  // above 0 where the line is open
 };
 
-// Makes uniform numbers u denser where the warp says, and multiplies `stretch` by 1 over their density.
+// Moves uniform numbers u so that they are denser in the warp's important bins, and multiplies `stretch` by 1 over
+// their density.
 template <class Warp>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   Floats warped = u * by.scales[0], scale = all(by.scales[0]);
@@ -116,7 +117,7 @@ VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
   stretch *= scale;
 }
 
-// Draws lines from points to points, eq. (43) of docs/method.md.
+// Draws lines from points of one patch to points of the other, eq. (43) of docs/method.md.
 VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
   Lines lines;
   Floats density_p, density_q;
@@ -130,7 +131,7 @@ VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<floa
   return lines;
 }
 
-// Draws lines from points by angles, eq. (45).
+// Draws lines from points of the first patch at random angles to the second one's plane, eq. (45) of docs/method.md.
 template <class Rectangle, class Warp>
 VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<float>& second, const Rectangle& rectangle,
                                  const Warp* warps, const Floats* u) {
@@ -338,7 +339,8 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
       if (k % 4 == 3 && !isAny(seen)) break;
     }
     facing += seen;
-    // Sums in single precision are kept short: a portion's sums are added in double precision.
+    // Only the sums of one portion are in single precision, so their rounding stays small. Sums of portions are added
+    // in double precision.
     if ((block + 1) % kPortionBlocks == 0 || block + 1 == end) {
       sums.facing += double(sumOf(facing)), sums.all += double(sumOf(weights)), sums.squares += double(sumOf(squares));
       facing = weights = squares = Floats{};

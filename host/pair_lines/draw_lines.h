@@ -1,13 +1,16 @@
 // A LineDrawer draws lines between two patches and finds the lines that nothing blocks.
 //
 // Lines are drawn in one of three ways:
-//   points   from a point of one patch to a point of the other; a line weighs cos cos / (pi r^2) dA dA;
+//   points   from a point of one patch to a point of the other; a line of length r weighs cos cos / (pi r^2), with its
+//            angles to the two normals;
+//   angles between the line and the two normals;
 //   angles   from a point of the smaller patch to the other patch's plane, at height h. The line ends at h tan(a) and h
 //            tan(b) from the point's foot, with a and b uniform. This way is for near patches: there weights of lines
 //            by points vary without bound, and weights of lines by angles vary little. Start points are denser where
 //            the other patch looks larger;
 //   contact  from a point of one patch to the same point of the other; for patches of one plane, face to face.
-// In all three the share of the weight that nothing blocks is the visibility of the pair (docs/method.md).
+// In all three ways the visibility of the pair is the weight of the lines that nothing blocks, as a share of the weight
+// of all lines (docs/method.md, section 13).
 //
 // Points are Sobol' points of four dimensions (S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional
 // projections, SIAM J. Sci. Comput. 30, 2008), scrambled for each replicate apart (A. Owen, Randomly permuted
@@ -50,7 +53,7 @@ class LineDrawer {
   // This many blocks, from a multiple of this number on, are added up in single precision.
   static constexpr uint32_t kPortionBlocks = 16;
 
-  //   In: exchange: A F with nothing in between, in units of radius^2, above 0; all arguments are copied
+  //   In: exchange: exchange area with nothing in between, unit-ball units squared, above 0; all arguments are copied
   LineDrawer(const Patch& a, const Patch& b, LineWay way, double exchange, const std::vector<Blocker>& blockers,
              std::span<const PlacedBlocker> between);
 

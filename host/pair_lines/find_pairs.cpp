@@ -104,7 +104,7 @@ class PairFinder::Search {
            !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
 
-  // An End is a cluster or a patch, with what bounds on form factors need.
+  // An End is a cluster or a patch, with its area and geometry, from which form factors are bounded.
   struct End {
     Box box;
     double largest_area;
@@ -119,9 +119,9 @@ class PairFinder::Search {
     return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
   }
 
-  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. Let distances
-  // be d or more, and heights over each other's planes h or less. Then a form factor is at most min(1, h_a / d) min(1,
-  // h_b / d) A / (pi d^2), where A is the larger area.
+  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. Let the
+  // distance between points of the two ends be at least d, and let the points of one end be at most h above the other's
+  // planes. Then a form factor is at most min(1, h_a / d) min(1, h_b / d) A / (pi d^2), where A is the larger area.
   bool areFar(const End& a, const End& b) const {
     if (least_form_factor_ == 0 || a.has_parts || b.has_parts) return false;
     const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
@@ -186,7 +186,8 @@ class PairFinder::Search {
     if (between_.size() < 2 || !shaft.areLinesBlocked(finder_.blockers_, between_, vectors_)) return false;
     const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
     const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
-    // One line has to cross the curtain. A second one serves where the line between middles meets an edge.
+    // One line between the patches has to cross the curtain. The line between their middles is tried first, and another
+    // one where it meets an edge.
     int tries = 0;
     for (const double to_corner : {0.0, 0.4}) {
       const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
@@ -256,7 +257,7 @@ class PairFinder::Search {
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {
   if (nodes_.empty()) return {};
-  // One thread divides tasks until there are enough for all threads. Then each task is searched by one thread.
+  // One thread divides tasks until there are enough for all threads. Then each thread takes one task after another.
   std::atomic<size_t> found_count = 0;
   Search first(*this, least_form_factor, found_count);
   std::vector<Task> tasks(1);

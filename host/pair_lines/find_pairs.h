@@ -21,8 +21,8 @@ namespace viewpeel {
 // A PatchPair is a pair of patches whose unoccluded form factor is above 0, and which no single blocker hides.
 struct PatchPair {
   uint32_t a, b;        // patches, a < b
-  double exchange = 0;  // A F with nothing in between, unit-ball units squared
-  // Its blockers are these elements of PatchPairs::between; where nothing is in the way there are none.
+  double exchange = 0;  // exchange area with nothing in between, unit-ball units squared
+  // The pair's blockers are this range of PatchPairs::between; it is empty where nothing is in the way.
   double error = 0;  // bound on the error of `exchange`
   uint32_t first_blocker = 0, blocker_count = 0;
 };

@@ -2,8 +2,8 @@
 // contraction every lane rounds as a scalar would, so results are the same bits everywhere.
 //
 // Vulkan devices round sums, differences and products in single precision correctly, quotients and roots to 2.5 ulp or
-// worse. Devices draw the same lines, so lines are made of sums, differences, products and comparisons alone
-// (docs/method.md, section 13).
+// worse. Devices must draw the same lines as the processor, so lines are computed by sums, differences, products and
+// comparisons alone (docs/method.md, section 13).
 #pragma once
 #include <bit>
 #include <cstdint>
@@ -66,7 +66,7 @@ VIEWPEEL_INLINE bool isAny(const Floats& x) {
   return any != 0;
 }
 
-// Returns the sum of all lanes, by halves: lanes 8 apart first.
+// Returns the sum of all lanes. It adds lanes 8 apart first, then 4, 2 and 1, as the shaders do.
 VIEWPEEL_INLINE float sumOf(const Floats& x) {
   float sums[kLineLanes];
   std::memcpy(sums, &x, sizeof sums);

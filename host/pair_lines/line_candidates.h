@@ -1,7 +1,7 @@
-// These functions draw candidates for lines between two patches, and bound how far each is from a decision: whether it
-// is a line of the pair, and whether it passes a blocker. Uniform lines keep some candidates by chance
-// (uniform_lines.cpp); lines in strata keep all with their weights (strata_lines.cpp). Sixteen candidates in single
-// precision and one in double have the same formulas.
+// These functions draw candidates for lines between two patches. They bound rounding errors, so that it is known which
+// candidates surely are lines of the pair, and which lines surely pass a blocker. Uniform lines keep some candidates by
+// chance (uniform_lines.cpp); lines in strata keep all with their weights (strata_lines.cpp). Sixteen candidates in
+// single precision and one in double have the same formulas.
 #pragma once
 #include <cstdint>
 
@@ -64,7 +64,7 @@ struct Candidates {
   Lanes arrival, arrival_error;  // q = p + arrival d
   // A candidate is surely a line of the pair where `inside` is above 0, and surely none where `outside` is below 0.
   Lanes inside, outside;
-  Lanes weight;  // over the largest weight
+  Lanes weight;  // as a share of the largest weight
 };
 
 template <class Lanes>
@@ -122,7 +122,7 @@ VIEWPEEL_INLINE Candidates<Lanes> drawDirections(const Geometry& of, const Lanes
   lines.weight = density * of.scale;
   require(lines, -beyond(of.second.edges, of.second.edge_count, lines.q),
           of.place_error + of.reach * lines.arrival_error);
-  // Near the disk's rim z is not accurate, so the candidate is undecided.
+  // Near the disk's rim z = sqrt(1 - x^2 - y^2) is not accurate, so the candidate is undecided.
   lines.inside = cosine2 > of.least_cosine2 ? lines.inside : filled(-1, x);
   lines.outside = cosine2 > of.least_cosine2 ? lines.outside : cosine2 + of.least_cosine2;
   return lines;
@@ -148,8 +148,8 @@ VIEWPEEL_INLINE Candidates<Lanes> drawCandidate(UniformWay way, const Geometry& 
                                          : drawContacts(of, u);
 }
 
-// Returns how far lines pass beyond a blocker.    Out: above `error` where a line surely passes; below -error where it
-// surely does not
+// Returns by how much lines miss a blocker. Out: above `error` where a line surely misses it; below -error where a line
+// surely meets it
 template <class Number, class Geometry, class Lanes>
 VIEWPEEL_INLINE Lanes passing(const Obstacle<Number>& by, const Geometry& of, const Candidates<Lanes>& lines,
                               Lanes& error) {

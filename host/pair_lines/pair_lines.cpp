@@ -77,7 +77,7 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
   return pairs;
 }
 
-// Leaves out pairs of faces whose parts together have an unoccluded form factor below the least.
+// Leaves out pairs of faces whose unoccluded form factor, summed over the parts of both faces, is below the least.
 void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor) {
   size_t kept = 0;
   for (size_t k = 0; k < pairs.size(); ++k) {
@@ -143,7 +143,8 @@ LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replica
           .end = blocks};
 }
 
-// Makes the count of a pair in one replicate from its parts' lines.    In: drawn_of(part): of a part with blockers
+// Makes the count of a pair in one replicate from the lines of its parts. In: drawn_of(part): the lines of a part with
+// blockers
 template <class DrawnOf>
 LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const {
   double facing = 0, all = 0, squares = 0, blockable = 0;
@@ -155,7 +156,7 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
     const double weight = parts_.pairs[k].exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
   }
-  // Counts are integers, in units where the expected weight of all lines is kLineUnit.
+  // Counts are integers: weights are scaled so that all lines together weigh kLineUnit on average, and rounded.
   const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
   const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
   LineCount count{0, blocks, 0, 0, 0};
@@ -325,8 +326,8 @@ bool PairLines::isPartial(const Group& group) const {
   return false;
 }
 
-// Returns how many lines a pair needs for its goal, from a pilot of 16 lines, or of 128 where 16 say too little. There
-// is no pilot where 16 lines reach the goal for any visibility.
+// Returns how many lines a pair needs for its goal. A pilot of 16 lines tells, or one of 128 lines where 16 are too few
+// to tell. There is no pilot where 16 lines reach the goal for any visibility.
 //   In: goal: standard error of the visibility    Out: pair: by_angles is set where lines by angles are better
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;

@@ -17,15 +17,16 @@
 
 namespace viewpeel {
 
-// How an estimate finds the lines that a pair needs (PairLines::plan).
+// PairLines::plan finds by these numbers how many lines a pair needs in an estimate.
 constexpr uint32_t kLinePilots = 8;  // most pilots of a pair, of 16 lines each
-// Where N lines agree, all blocked or all facing, other lines have a share of at most ln(1 / p) / N but for probability
-// p. At p = 1e-3, with errors of four standard errors, N has to be this number over the allowed standard error.
+// Let N lines be all blocked, or all facing. Then with probability 1 - p the other kind has a share of at most ln(1 /
+// p) / N among all lines. At p = 1e-3, and with errors of four standard errors, N has to be this number over the
+// allowed standard error.
 constexpr double kAgreeingLines = 1.75;
 // The largest standard error of a visibility by 16 lines whose weights are as uneven as kUneven allows: eq. (46) and
 // (47) of docs/method.md with b = 1/2 and n = 3.2.
 constexpr double kCertainError = 0.272;
-constexpr double kLineRate = 0.8;  // lines needed grow as the variance to this power, which falls as N^-1.25
+constexpr double kLineRate = 0.8;  // 1 / 1.25: the variance falls as N^-1.25 with N lines
 
 // PairLinesFigures say how many pairs and blockers were found.
 struct PairLinesFigures {
@@ -37,7 +38,7 @@ struct PairLinesFigures {
 struct UniformTask {
   uint32_t part;           // PairLines::Part::index
   float guess;             // of the visibility of open lines; set where all lines are open
-  uint64_t series;         // different ones are independent
+  uint64_t series;         // lines of different series are independent
   uint64_t lines;          // to be added to `count`
   double most_candidates;  // of one line; where a line takes more, all lines are open
   UniformLineCount count = {};
@@ -47,10 +48,10 @@ struct UniformTask {
 struct StrataTask {
   uint32_t part;          // PairLines::Part::index
   float share;            // of facing lines, as UniformLines::drawStrata
-  uint64_t series;        // different ones are independent
-  uint64_t cells;         // wanted; 0: nothing is drawn
+  uint64_t series;        // lines of different series are independent
+  uint64_t cells;         // number wanted; 0: nothing is drawn
   StrataSums sums{};      // drawn
-  double efficiency = 0;  // the expected mean of x is this times (visibility - share)
+  double efficiency = 0;  // StrataSums' mean is expected to be this times (visibility - share)
   double error = 0;       // bound on the rounding of this mean
 };
 
