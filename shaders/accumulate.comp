@@ -1,8 +1,8 @@
 #version 460
 // One invocation takes one lattice point of one direction (graphics engine). It applies the facing rules to the gap
 // between layers k-1 and k and adds one to the counter of the gap. Where layer k has a polygon, it requests layer k+1.
-// Where blocked pairs are counted, it also adds one to the blocked counter of every layer before k that faces layer k,
-// whatever lies between the two.
+// Where blocked pairs are counted, it also adds one to the counter kFacingOrBlocked of every layer before k that faces
+// layer k, whatever lies between the two.
 //   In: polygons, layers     Out: counters, next_alive, next_commands
 #extension GL_GOOGLE_include_directive : require
 #extension GL_EXT_shader_atomic_int64 : require

@@ -19,16 +19,15 @@ namespace {
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 // The unit of work is the time that one polygon takes at one lattice point, some 10 ns. Costs were measured on lavapipe
 // and are used on every device, so that parts of a run on different devices choose alike.
-constexpr double kPolygonCost = 100,
-                 kDirectedPolygonCost =
-                     30;          // to project a polygon: along a common direction, and along one of a directed pair
-constexpr double kPointCost = 4;  // when blocked pairs are counted, too
+// These are the costs of projecting a polygon along a common direction, and along a direction of a directed pair.
+constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;
+constexpr double kPointCost = 4;  // of a lattice point, where blocked pairs are counted, too
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;
 constexpr double kDearest = 8;  // most directions of a pair, as a multiple of the common ones
-// A pair needs at least this expected number of hits. Of three expected ones none comes in e^-3 = 5 % of cases; with
-// fewer its visibility stays unknown.
+// A pair's visibility counts as unsure where fewer directions than this are expected to hit the pair. Where three are
+// expected, none hits it in e^-3 = 5 % of cases.
 constexpr double kFewDirections = 3;
-constexpr int64_t kMostOnTrust = 8;  // most directed pairs among those of which no pilot saw a blocked line
+constexpr int64_t kMostOnTrust = 8;                       // with more pairs on trust (Need), none of them is directed
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
 constexpr double kWorthIt = 0.8;                          // directed pairs must bring the work down to this share
 constexpr double kMostReplicates = 1e12;
@@ -171,8 +170,8 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     if (is_counted) ++count;
     if (has_prior) ++at;
   }
-  // A pair on trust is one of which no line was seen blocked. It most likely reaches the goal, so such pairs are needs
-  // only where they are few.
+  // A pair is on trust where few lines hit it, and none was blocked at either face. It most likely reaches the goal, so
+  // such pairs are needs only where they are few.
   if (std::count_if(needs.begin(), needs.end(), [](const Need& need) { return need.on_trust; }) > kMostOnTrust)
     std::erase_if(needs, [](const Need& need) { return need.on_trust; });
   std::sort(needs.begin(), needs.end(), [](const Need& a, const Need& b) {

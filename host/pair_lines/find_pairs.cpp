@@ -186,8 +186,8 @@ class PairFinder::Search {
     if (between_.size() < 2 || !shaft.areLinesBlocked(finder_.blockers_, between_, vectors_)) return false;
     const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
     const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
-    // One line between the patches has to cross the curtain. The line between their middles is tried first, and another
-    // one where it meets an edge.
+    // One line between the patches has to cross the curtain. The line between their middles is tried first. A
+    // second one serves where the first meets an edge.
     int tries = 0;
     for (const double to_corner : {0.0, 0.4}) {
       const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
