@@ -23,7 +23,8 @@ void requireDistinct(const std::vector<std::filesystem::path>& files) {
     std::error_code failure;  // not needed: checkOutputs() refuses folders that cannot be read
     const fs::path place = fs::weakly_canonical(fs::absolute(file, failure), failure);
     if (!named.insert(place.empty() ? file : place).second)
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: is to be written twice; name every file once", file.string()));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: two outputs have this name; name every file once", file.string()));
   }
 }
 

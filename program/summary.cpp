@@ -128,8 +128,7 @@ std::string describeErrors(const Estimate& estimate) {
         estimate.unmet_pairs, estimate.largest_unmet_error);
   if (estimate.unseen_pairs)
     text += fmt::format(
-        "unseen     {} pairs that can see each other but for what is between them: no line saw one, 0 +- {:.1e} at "
-        "most\n",
+        "unseen     {} pairs that only other polygons can hide from each other: no line saw one, 0 +- {:.1e} at most\n",
         estimate.unseen_pairs, estimate.largest_unseen_error);
   const auto all = double(pairCount(f.ids().count()));
   const auto entry_count = std::count_if(f.entries().begin(), f.entries().end(), [](const FormFactors::Entry& entry) {

@@ -177,9 +177,10 @@ class Dual {
       if (area > reachable_area * (1 + 2 * kBalanceTolerance))
         throw Error(
             ErrorCode::bad_input,
-            fmt::format("balance: '{}'{} of area {:.6g} met only rows of area {:.6g}; use more --directions or "
-                        "a finer --resolution",
-                        ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, reachable_area));
+            fmt::format(
+                "balance: lines from '{}'{} of area {:.6g} hit only rows of area {:.6g}; use more --directions or "
+                "a finer --resolution",
+                ids_.names[rows[0]], k ? fmt::format(" and {} more rows", k) : "", area, reachable_area));
     }
   }
 

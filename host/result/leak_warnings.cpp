@@ -73,7 +73,7 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
   if (share == 0 && scene.faces.size() > 1 && ids.requested.empty() && !form_factors.entries().empty() &&
       std::none_of(form_factors.entries().begin(), form_factors.entries().end(), isPair))
     return {
-        fmt::format("{}: no front sees another one: every line leaves the scene; turn a room whose normals look "
+        fmt::format("{}: no front sees another front: every line leaves the scene; turn a room whose normals look "
                     "outward by --fix-normals, or surfaces by --flip NAME",
                     scene.file)};
   if (!(share > kClosedLeak)) return {};  // checked before isClosed(), for kOpenLeak is larger

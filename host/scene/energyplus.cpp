@@ -287,7 +287,7 @@ void findZones(EnergyPlusBuilding& building) {
     const FilePlace place{building.file, surface.line};
     if (surface.name.empty()) place.refuse("a surface has no name; give it one");
     if (!by_name.emplace(lowerCase(surface.name), &surface).second)
-      place.refuse(fmt::format("surface '{}' is there already; rename it", printable(surface.name)));
+      place.refuse(fmt::format("a second surface is called '{}'; rename one of the two", printable(surface.name)));
   }
   for (EnergyPlusSurface& surface : building.surfaces) {
     if (surface.base.empty() && !surface.zone.empty()) continue;

@@ -193,7 +193,7 @@ std::vector<std::string> warnOfBacks(const Scene& scene) {
   const FrontRays found = followFronts(scene);
   if (found.escaped == found.rays && scene.faces.size() > 1)
     return {
-        fmt::format("{}: no front sees another one; turn a room whose normals look outward by --fix-normals, or "
+        fmt::format("{}: no front sees another front; turn a room whose normals look outward by --fix-normals, or "
                     "surfaces by --flip NAME",
                     scene.file)};
   if (found.backs == 0) return {};

@@ -45,7 +45,7 @@ FrontRays followFronts(const Scene& scene, const std::vector<double>& weights = 
 // Returns a line for each cause and culprit, with the option or change that mends it. The largest leak comes first.
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks);
 
-// Returns warnings, one line each, about backs that fronts see, or about a scene in which no front sees another one.
+// Returns warnings, one line each, about backs that fronts see, or about a scene in which no front sees another front.
 // Callers use it before anything is computed.    Out: empty where all is well
 std::vector<std::string> warnOfBacks(const Scene& scene);
 

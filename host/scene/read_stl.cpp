@@ -27,8 +27,8 @@ T readAt(const std::string& bytes, size_t at) {
 // Refuses a binary file that is shorter than its header says.
 void checkSize(uint64_t size_bytes, uint32_t facet_count, const std::string& file) {
   if (size_bytes < kHeaderBytes + 4 + uint64_t(facet_count) * kFacetBytes)
-    FilePlace{file}.refuse(
-        fmt::format("neither STL text nor {} binary facets, as its header says; export it again", facet_count));
+    FilePlace{file}.refuse(fmt::format(
+        "not STL text, and its size does not fit the {} binary facets of its header; export it again", facet_count));
 }
 
 void readBinary(const std::string& bytes, InputScene& scene) {

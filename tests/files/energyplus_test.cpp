@@ -353,7 +353,7 @@ TEST_F(EnergyPlus, ErrorsNameFileAndLine) {
             "a.idf:3: the number of vertices is 4, and 3 are given; correct it");
   EXPECT_EQ(refusal("a.idf", head + "BuildingSurface:Detailed,w,Wall,C,Y,Outdoors,,,,,,0,0,0,4,0,0,4,0,3;\n"),
             "a.idf:3: surface 'w' has no zone 'Y'; correct it");
-  EXPECT_EQ(refusal("a.idf", head + wall + wall), "a.idf:4: surface 'w' is there already; rename it");
+  EXPECT_EQ(refusal("a.idf", head + wall + wall), "a.idf:4: a second surface is called 'w'; rename one of the two");
   EXPECT_EQ(refusal("a.idf", head + window("1,0,1,2,0,1,2,0,2,1,0,2")),
             "a.idf:3: surface 'g' has no base 'w'; correct it");
   EXPECT_EQ(refusal("a.idf", head + wall + window("1,1,1,2,1,1,2,1,2,1,1,2")),

@@ -47,7 +47,8 @@ TEST_F(BadInput, ScenesAreRefusedInOneLine) {
                    "ELF\2\1\1\0\0\xff\n\xfe",
                    12),
        ":1", "not a statement"},
-      {"garbage.stl", std::string(200, '\xa5'), "", "neither STL text nor 2779096485 binary facets"},
+      {"garbage.stl", std::string(200, '\xa5'), "",
+       "not STL text, and its size does not fit the 2779096485 binary facets of its header"},
       {"garbage.ply", std::string(200, '\xa5'), ":1", "not a PLY file"},
       {"utf16.obj", std::string("\xff\xfe#\0\n\0v\0 \0", 10), ":1", "not a statement"},
       {"huge_index.obj", kTriangle + "f 1 2 4294967298\n", ":4", "4294967298 is out of range"},
@@ -146,9 +147,9 @@ TEST_F(BadInput, OptionsOutOfRangeContradictoryOrRepeated) {
       {"--epsilon 2", "between 0 and 1"},
       {"--epsilon 0.3 --delta 1", "between 0 and 1"},
       {"--delta 0.1", "--epsilon"},
-      {"-o " + file("a.csv") + " -o " + file("./a.csv"), "written twice"},
-      {"-o " + file("a.csv") + " --checkpoint " + file("a.csv"), "written twice"},
-      {"--balance -o " + file("a.mtx") + " --checkpoint " + file("a.balanced.mtx"), "written twice"},
+      {"-o " + file("a.csv") + " -o " + file("./a.csv"), "two outputs have this name"},
+      {"-o " + file("a.csv") + " --checkpoint " + file("a.csv"), "two outputs have this name"},
+      {"--balance -o " + file("a.mtx") + " --checkpoint " + file("a.balanced.mtx"), "two outputs have this name"},
       {"another.obj", "is not expected"},
   };
   for (const auto& [options, part] : cases) expectOneLine(run(kPlates + options), 2, "", part);

@@ -139,9 +139,10 @@ TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
          "o south\nf 5 8 4 1\no north\nf 3 7 6 2\no floor\nf 2 6 5 1\no ceiling\nf 8 7 3 4\n";
   const std::string lattice = " --directions 60 --resolution 32 --replicates 2 --quiet ";
   const Result out = run("compute " + file("out.obj") + lattice);
-  EXPECT_EQ(out.output, "viewpeel: warning: " + file("out.obj") +
-                            ": no front sees another one: every line leaves the scene; turn a room whose normals look "
-                            "outward by --fix-normals, or surfaces by --flip NAME\n");
+  EXPECT_EQ(out.output,
+            "viewpeel: warning: " + file("out.obj") +
+                ": no front sees another front: every line leaves the scene; turn a room whose normals look "
+                "outward by --fix-normals, or surfaces by --flip NAME\n");
   const Result fixed = run("compute " + file("out.obj") + lattice + "--fix-normals -o " + file("fixed.csv"));
   EXPECT_NE(fixed.output.find("--fix-normals turned 6 of 6 faces over, of west, east"), std::string::npos)
       << fixed.output;

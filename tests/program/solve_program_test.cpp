@@ -124,8 +124,8 @@ TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
   expectRefusal(run(cube + " --drop-below 0.1"), "requires --exchange");
   expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "not in");
   expectRefusal(run(cube + " --exchange gebhart -o " + file("b.csv") + " -o " + file("b.exchange.csv")),
-                "is to be written twice");
-  expectRefusal(run(cube + " -o " + file("b.csv") + " -o " + file("./b.csv")), "is to be written twice");
+                "two outputs have this name");
+  expectRefusal(run(cube + " -o " + file("b.csv") + " -o " + file("./b.csv")), "two outputs have this name");
 }
 
 TEST_F(SolveProgram, AGuaranteeBoundsTheAnswers) {

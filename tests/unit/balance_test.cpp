@@ -234,7 +234,7 @@ TEST(Balance, TwoSidesOfManyRows) {
   const BalancedFormFactors balanced = balanceRows(matrixOf(areas, entries));
   for (const Measured& sum : balanced.form_factors.rowSums()) EXPECT_NEAR(sum.value, 1, kBalanceTolerance);
   areas[3] *= 1.001;
-  EXPECT_NE(refusalOf(matrixOf(areas, entries)).find("met only rows of area"), std::string::npos);
+  EXPECT_NE(refusalOf(matrixOf(areas, entries)).find("hit only rows of area"), std::string::npos);
 }
 
 // Neither the unit of length nor areas that differ by 10^8 change the result.
@@ -274,15 +274,15 @@ TEST(Balance, RefusesWhatCannotBeBalanced) {
             std::string::npos);
   EXPECT_NE(refusalOf(with({2, kLeak, {0.12, 0.1}})).find("1 % ends on backs"), std::string::npos);
   EXPECT_NE(refusalOf(matrixOf({3, 4, 5, 1}, three)).find("no line from 'id3'"), std::string::npos);
-  // id2 met id1 alone, which is smaller.
+  // Lines from id2 hit id1 alone, which is smaller.
   EXPECT_NE(refusalOf(matrixOf({3, 4, 5}, {{0, 1, {1, 0.1}}, {0, 0, {2, 0.1}}, {1, 2, {3, 0.1}}}))
-                .find("'id2' of area 5 met only rows of area 4"),
+                .find("'id2' of area 5 hit only rows of area 4"),
             std::string::npos);
-  // Three rows met only one row. It is larger than each of them, but smaller than all together.
+  // Lines from three rows hit only one row. It is larger than each of them, but smaller than all together.
   EXPECT_NE(refusalOf(matrixOf({4, 2, 2, 2}, {{0, 0, {1, 0.1}}, {0, 1, {1, 0.1}}, {0, 2, {1, 0.1}}, {0, 3, {1, 0.1}}}))
-                .find("and 2 more rows of area 6 met only rows of area 4"),
+                .find("and 2 more rows of area 6 hit only rows of area 4"),
             std::string::npos);
-  EXPECT_NE(refusalOf(matrixOf({2, 2.001}, {{0, 1, {1.9, 0.1}}})).find("'id1' of area 2.001 met only rows of area 2;"),
+  EXPECT_NE(refusalOf(matrixOf({2, 2.001}, {{0, 1, {1.9, 0.1}}})).find("'id1' of area 2.001 hit only rows of area 2;"),
             std::string::npos);
   Ids some = matrixOf({3, 4, 5}, three).ids();
   some.requested = {true, false, true};
