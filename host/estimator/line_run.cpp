@@ -27,6 +27,8 @@ using Key = std::pair<uint32_t, uint32_t>;
 
 constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
+constexpr int kMostPlans = 8;        // plans of lines for one goal: the goal, and coarser ones until the lines fit
+constexpr double kSlack = 2;         // lines of a coarser goal may exceed their limit by this factor
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
 // If common directions count pairs, a run ends short of its goal after this multiple of its planned replicates.
 constexpr uint64_t kMostMixtureGrowth = 8;
@@ -82,14 +84,17 @@ std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, c
     if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
     return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
   };
-  lines.plan(pairs, allowedTo, options.replicates);
-  double all = 0;
-  for (const LinePair& pair : pairs) all += pair.linesIn(options.replicates);
-  if (!(all > most_lines)) return pairs;
-  // The number of lines is proportional to the error to the power of -8/5.
-  const double relief = std::pow(all / most_lines, 5.0 / 8);
-  lines.plan(
-      pairs, [&](const LinePair& pair) { return relief * allowedTo(pair); }, options.replicates);
+  // The number of lines is proportional to the error to the power of -8/5, or of -1 where few lines must agree. No pair
+  // gets more than kMostLineBlocks, so that one relief of a far finer goal may not suffice.
+  double relief = 1, power = 5.0 / 8;
+  for (int plans = 0; plans < kMostPlans; ++plans, power = 1) {
+    lines.plan(
+        pairs, [&](const LinePair& pair) { return relief * allowedTo(pair); }, options.replicates);
+    double all = 0;
+    for (const LinePair& pair : pairs) all += pair.linesIn(options.replicates);
+    if (!(all > (plans ? kSlack : 1) * most_lines)) break;
+    relief *= std::pow(all / most_lines, power);
+  }
   return pairs;
 }
 

@@ -14,7 +14,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = 64;             // pairs that a thread takes at once
+constexpr size_t kMostChunk = 64;         // pairs that a thread takes at once,
+constexpr size_t kChunks = 16;            // so that each thread takes about this many chunks
 constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a thread takes at once
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
@@ -316,8 +317,10 @@ void PairLines::drawStrata(std::span<StrataTask> tasks) const {
 }
 
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
+  // A few pairs may need most of the lines, so few pairs are shared out in small chunks.
+  const size_t chunk = std::clamp<size_t>(count / (threads_ * kChunks), 1, kMostChunk);
   shareOut(
-      threads_, count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
+      threads_, count, chunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
 }
 
 bool PairLines::isPartial(const Group& group) const {
