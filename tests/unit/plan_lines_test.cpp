@@ -9,8 +9,8 @@
 namespace viewpeel {
 namespace {
 
-// With a tolerance of 1e-12 nearly all pairs want more lines than any pair may get (kMostLineBlocks), so that one relief
-// of the goal does not suffice.
+// With a tolerance of 1e-12 nearly all pairs want more lines than any pair may get (kMostLineBlocks), so that one
+// relief of the goal does not suffice.
 TEST(PlanLines, TheFinestGoalKeepsToTheLimit) {
   const Scene scene = buildScene(bench::roomWithBoxes(1));
   const Ids ids = makeIds(scene, By::polygon, false);
