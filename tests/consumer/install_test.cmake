@@ -1,4 +1,5 @@
-# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. The library's one call and the program write the same bytes.
+# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. The library's
+# one call and the program have to write the same bytes.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 function(run)
