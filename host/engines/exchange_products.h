@@ -28,9 +28,8 @@ class ExchangeProducts {
   // Returns y = C x for each column, C being the symmetric matrix of the counts of facing pairs, without its diagonal.
   //   In: directions; factors: double[rows][columns]; outside: where given, Outside[rows], to which counts are added
   //   Out: double[rows][columns], in counts; count x unitArea() is an area in the plane of projection
-  //   Error: factors are rounded to 2^-52 of the largest of their column; sums are exact, so that the same bits
-  //     come out
-  //     on any number of threads. Tests: tests/unit/exchange_products_test.cpp.
+  //   Error: factors are rounded to 2^-52 of the largest of their column. Sums are exact, so that any number of threads
+  //     gives the same bits. Tests: tests/unit/exchange_products_test.cpp.
   //   Throws: what stop and on_batch throw.
   //   Cost: a sweep for each direction; memory of 32 bytes x rows x columns for each thread.
   std::vector<double> multiply(std::span<const Direction> directions, const std::vector<double>& factors,
