@@ -37,6 +37,7 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached) {
 std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution) {
   std::string text = fmt::format("materials  {}: {} for {}", table.file, counted(table.lines.size(), "line"),
                                  counted(solution.rows.size(), "row"));
+  if (!table.laws.empty()) text += fmt::format(", {}", counted(table.laws.size(), "directional law"));
   if (table.environment_temperature) text += fmt::format(", environment {} K", *table.environment_temperature);
   if (const auto& parts = table.sky_and_ground)
     text += fmt::format(", environment {} K above and {} K below the horizon", parts->up, parts->down);
@@ -138,6 +139,7 @@ EnvironmentParts measureStoredParts(const SolveCommand& command, const StoredRun
 // Solves with form factors from checkpoints.
 int solveStored(const SolveCommand& command) {
   const MaterialTable table = readTable(command);
+  checkMatrixFree(command, table);
   StoredRun run(command.stored, command.scene, command.groups);
   run.requireErrors();
   const Estimate estimate = run.estimate();

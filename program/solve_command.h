@@ -11,9 +11,7 @@
 
 namespace viewpeel::program {
 
-// MatrixFree says whether solve goes without a matrix in memory. It then computes products of exchange areas with
-// radiosities while it peels directions (docs/solve.md, eq. (14)). `automatic` does so where the matrix would not fit
-// in memory and no other option needs it.
+// Where form factors are not kept, products with them are made while directions are peeled.
 enum class MatrixFree { automatic, on, off };
 
 struct SolveCommand {
@@ -33,16 +31,17 @@ struct SolveCommand {
   bool talks() const { return !quiet && !json; }
 };
 
-// Describes the materials in one line.
+// Describes the materials, a line.
 std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution);
 // Describes a tolerance beside the error that was reached.
 std::string describeTolerance(const HeatTolerance& tolerance, double reached);
 // Warns where the environment of the materials has no effect.
 void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution);
 
-// Refuses --matrix-free on beside an option or a material that takes form factors.    Throws: Error bad_usage.
+// Refuses --matrix-free on, or directional emissivities, beside an option or a material that takes form factors.
+//   Throws: Error bad_usage.
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table);
-// Returns whether the answers are to be found without a matrix. checkMatrixFree() has to come first.
+// Returns whether the answers are to be found without a matrix.    In: after checkMatrixFree
 bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const Scene& scene);
 // Solves without a matrix, and prints and writes the answers. Returns the exit status.
 int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, const Scene& scene);

@@ -30,7 +30,7 @@ std::string findNeedOfMatrix(const SolveCommand& command, const MaterialTable& t
 
 MatrixFreeRequest requestOf(const SolveCommand& command) {
   MatrixFreeRequest request{.by = command.request.by, .two_sided = command.request.two_sided};
-  request.tolerance = command.tolerance;
+  if (command.tolerance) request.tolerance = *command.tolerance;
   request.seed = command.request.seed;
   request.threads = command.request.threads;
   request.time_limit_s = command.request.time_limit_s;
@@ -68,7 +68,15 @@ void printJson(const SolveCommand& command, const MatrixFreeHeat& found) {
 }  // namespace
 
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table) {
-  const std::string need = findNeedOfMatrix(command, table);
+  const std::string need = command.matrix_free == MatrixFree::off ? "--matrix-free off"
+                           : !command.stored.empty()              ? "--from-result"
+                                                                  : findNeedOfMatrix(command, table);
+  if (!table.laws.empty() && !need.empty())
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format("{} takes form factors, which are of diffuse surfaces, but {} has directional emissivities; "
+                    "leave one of the two out",
+                    need, table.file));
   if (command.matrix_free == MatrixFree::on && !need.empty())
     throw Error(
         ErrorCode::bad_usage,
@@ -76,6 +84,7 @@ void checkMatrixFree(const SolveCommand& command, const MaterialTable& table) {
 }
 
 bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const Scene& scene) {
+  if (!table.laws.empty()) return true;
   if (command.matrix_free != MatrixFree::automatic) return command.matrix_free == MatrixFree::on;
   const uint64_t rows = command.request.by == By::surface ? scene.surfaces.size() : scene.faces.size();
   return findNeedOfMatrix(command, table).empty() && matrixBytes(rows) > kMostMatrixBytes;
@@ -104,8 +113,8 @@ int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, 
   progress.clear();
   warnOfEnvironment(table, found.heat);
   for (const std::string& output : command.outputs) writeHeat(found.heat, command.request.by, output);
-  const double reached = largestHeatError(found.heat, found.tolerance.of);
-  const std::string tolerance = describeTolerance(found.tolerance, reached);
+  const double reached = largestHeatError(found.heat, request.tolerance.of);
+  const std::string tolerance = describeTolerance(request.tolerance, reached);
   if (!found.is_reached) warn(fmt::format("the run ended before the tolerance: standard errors of {}", tolerance));
   if (command.json) printJson(command, found);
   if (command.talks()) printAnswers(command, table, request, found, tolerance);

@@ -28,14 +28,13 @@ ReferenceMatrix referenceByClosedForms(const Scene& scene);
 ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds,
                                    const std::string& directory);
 
-// ReferenceEffort says how long referenceByMethod() may run.
+// Returns the mean of eight long runs of another method than the one judged, with seeds of their own. Its error is the
+// standard error of this mean. It is kept as in referenceByLongRun, by method.
+//   Throws: Error output.
 struct ReferenceEffort {
   double seconds = 0;            // time of all eight runs
   std::optional<double> amount;  // amount of each run, in the ladder's unit; replaces `seconds`
 };
-// Returns the mean of eight long runs of another method than the one judged, with seeds of their own. Its error is the
-// standard error of this mean. It is kept as in referenceByLongRun, by method.
-//   Throws: Error output.
 ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name,
                                   const ReferenceEffort& effort, const std::string& directory);
 

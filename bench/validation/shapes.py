@@ -81,8 +81,7 @@ class Disc:
 
 
 class Sphere:
-    """A zone of a sphere about a point of the z axis, between two polar angles. out: +1 or -1, the side that radiates:
-    the outer or the inner one."""
+    """A zone of a sphere about a point of the z axis, between two polar angles; out: +1 or -1, the side that radiates."""
 
     is_flat = False
 
@@ -130,8 +129,7 @@ class Sphere:
 
 
 class Cone:
-    """The side of a cylinder, a cone or its frustum about the z axis. out: +1 or -1, the side that radiates: the outer or
-    the inner one."""
+    """The side of a cylinder, a cone or its frustum about the z axis; out: +1 or -1, the side that radiates."""
 
     is_flat = False
 

@@ -1,7 +1,9 @@
 #include "engines/exchange_products.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
 
 #include "engines/lattice.h"
 #include "engines/sweep.h"
@@ -22,14 +24,64 @@ int exponentOf(const std::vector<double>& factors, size_t columns, size_t column
 
 }  // namespace
 
+// A Worker serves one thread. Its products are of rows, or of rows that share the lines of polygons.
 struct ExchangeProducts::Worker {
   Worker(const SweepScene& scene, const LatticeOptions& options) : sweep(scene, options) {}
+
+  void start(const std::optional<PolygonShares>& shares, std::span<const int64_t> factors, size_t columns,
+             bool counts_outside) {
+    is_shared = shares.has_value();
+    if (is_shared) shared.start(*shares, factors, columns, counts_outside);
+    else products.start(factors, columns, counts_outside);
+  }
+  void count(const Direction& direction) {
+    sweep.count(direction, is_shared ? shared.begin(direction.u) : products);
+    if (is_shared) shared.end();
+  }
+  void settle() {
+    if (!is_shared) products.settle();
+  }
+  WideInteger sum(size_t row, size_t column) const {
+    return is_shared ? shared.sum(row, column) : products.sum(row, column);
+  }
+  // Adds what a row met outside of all pairs, in the unit of outsideBits().
+  void addOutside(size_t row, std::array<WideInteger, 4>& to) const {
+    const auto add = [&](const auto& of_row, uint64_t own) {
+      to[0] += of_row.ahead, to[1] += of_row.behind, to[2] += of_row.leak, to[3] += own;
+    };
+    if (is_shared) add(shared.outside(row), 0);
+    else add(products.outside(row), products.outside(row).own);
+  }
+  int outsideBits() const { return is_shared ? SharedProducts::kOutsideBits : 0; }
+
   Sweep sweep;
+  bool is_shared = false;
   PairProducts products;
+  SharedProducts shared;
 };
 
+namespace {
+
+// Returns ids by which each polygon is a row of its own.
+Ids idsOfPolygons(const Scene& scene, bool two_sided) {
+  Ids ids;
+  ids.two_sided = two_sided;
+  ids.of_polygon.resize(scene.polygons.size());
+  std::iota(ids.of_polygon.begin(), ids.of_polygon.end(), 0u);
+  return ids;
+}
+
+}  // namespace
+
 ExchangeProducts::ExchangeProducts(const Scene& scene, const Ids& ids, const LatticeOptions& options)
-    : scene_(scene, ids), options_(options), row_count_(ids.count()) {
+    : ExchangeProducts(scene, ids, std::nullopt, ids.count(), options) {}
+
+ExchangeProducts::ExchangeProducts(const Scene& scene, PolygonShares shares, const LatticeOptions& options)
+    : ExchangeProducts(scene, idsOfPolygons(scene, shares.two_sided), std::move(shares), shares.row_count, options) {}
+
+ExchangeProducts::ExchangeProducts(const Scene& scene, const Ids& ids, std::optional<PolygonShares> shares,
+                                   uint32_t row_count, const LatticeOptions& options)
+    : shares_(std::move(shares)), scene_(scene, ids), options_(options), row_count_(row_count) {
   options_.split_environment = true;
   options_.count_blocked = false;
   const size_t threads = options.thread_count ? options.thread_count : threadCount();
@@ -44,7 +96,8 @@ double ExchangeProducts::unitArea() const {
 
 uint64_t ExchangeProducts::memoryBytes() const {
   uint64_t bytes = 0;
-  for (const auto& worker : workers_) bytes += worker->sweep.memoryBytes() + worker->products.sizeBytes();
+  for (const auto& worker : workers_)
+    bytes += worker->sweep.memoryBytes() + worker->products.sizeBytes() + worker->shared.sizeBytes();
   return bytes;
 }
 
@@ -55,31 +108,31 @@ std::vector<double> ExchangeProducts::multiply(std::span<const Direction> direct
   for (size_t column = 0; column < columns; ++column) exponents.push_back(exponentOf(factors, columns, column));
   std::vector<int64_t> whole(factors.size());
   for (size_t k = 0; k < factors.size(); ++k) whole[k] = std::llround(std::ldexp(factors[k], exponents[k % columns]));
-  for (const auto& worker : workers_) worker->products.start(whole, columns, outside != nullptr);
+  for (const auto& worker : workers_) worker->start(shares_, whole, columns, outside != nullptr);
   const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
   shareOut(
       workers_.size(), directions.size(), chunk,
       [&](size_t worker, size_t k) {
         if (options_.stop) options_.stop();
-        workers_[worker]->sweep.count(directions[k], workers_[worker]->products);
+        workers_[worker]->count(directions[k]);
       },
       options_.on_batch);
-  for (const auto& worker : workers_) worker->products.settle();
+  for (const auto& worker : workers_) worker->settle();
   std::vector<double> products(factors.size());
   for (size_t row = 0; row < row_count_; ++row) {
     for (size_t column = 0; column < columns; ++column) {
       WideInteger sum = 0;
-      for (const auto& worker : workers_) sum += worker->products.sum(row, column);
+      for (const auto& worker : workers_) sum += worker->sum(row, column);
       products[row * columns + column] = std::ldexp(static_cast<double>(sum), -exponents[column]);
     }
     if (!outside) continue;
-    for (const auto& worker : workers_) {
-      const Outside& of_worker = worker->products.outside(row);
-      (*outside)[row].ahead += of_worker.ahead;
-      (*outside)[row].behind += of_worker.behind;
-      (*outside)[row].leak += of_worker.leak;
-      (*outside)[row].own += of_worker.own;
-    }
+    std::array<WideInteger, 4> of_row{};
+    for (const auto& worker : workers_) worker->addOutside(row, of_row);
+    const auto counts = [&](size_t k) {
+      return std::ldexp(static_cast<double>(of_row[k]), -workers_.front()->outsideBits());
+    };
+    Outside& to = (*outside)[row];
+    to = {to.ahead + counts(0), to.behind + counts(1), to.leak + counts(2), to.own + counts(3)};
   }
   return products;
 }

@@ -3,6 +3,7 @@
 #pragma once
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "engines/lattice_options.h"
 #include "engines/outlines.h"
 #include "engines/pair_products.h"
+#include "engines/shared_products.h"
 #include <viewpeel/ids.h>
 
 namespace viewpeel {
@@ -21,15 +23,22 @@ class ExchangeProducts {
   //   In: scene, ids: the caller keeps them alive; options: resolution, sampling, thread_count, stop and on_batch count
   //   Throws: Error bad_usage where the resolution is out of range.
   ExchangeProducts(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+  //   In: shares: of each polygon of the scene, which share the lines of a polygon between two rows
+  ExchangeProducts(const Scene& scene, PolygonShares shares, const LatticeOptions& options);
   ~ExchangeProducts();
 
-  using Outside = PairProducts::Outside;
+  // As PairProducts::Outside, in counts; shares of lines are fractions of counts.
+  struct Outside {
+    double ahead = 0, behind = 0, leak = 0, own = 0;
+  };
 
   // Returns y = C x for each column, C being the symmetric matrix of the counts of facing pairs, without its diagonal.
+  // Where polygons have shares, C is the matrix of their weighted counts, and has its diagonal.
   //   In: directions; factors: double[rows][columns]; outside: where given, Outside[rows], to which counts are added
   //   Out: double[rows][columns], in counts; count x unitArea() is an area in the plane of projection
-  //   Error: factors are rounded to 2^-52 of the largest of their column. Sums are exact, so that any number of threads
-  //     gives the same bits. Tests: tests/unit/exchange_products_test.cpp.
+  //   Error: factors are rounded to 2^-52 of the largest of their column; sums are exact, so that the same bits come
+  //     out on any number of threads. With shares, C is symmetric but for rounding. Tests:
+  //     tests/unit/exchange_products_test.cpp.
   //   Throws: what stop and on_batch throw.
   //   Cost: a sweep for each direction; memory of 32 bytes x rows x columns for each thread.
   std::vector<double> multiply(std::span<const Direction> directions, const std::vector<double>& factors,
@@ -41,7 +50,10 @@ class ExchangeProducts {
 
  private:
   struct Worker;
+  ExchangeProducts(const Scene& scene, const Ids& ids, std::optional<PolygonShares> shares, uint32_t row_count,
+                   const LatticeOptions& options);
 
+  std::optional<PolygonShares> shares_;
   SweepScene scene_;
   LatticeOptions options_;
   uint32_t row_count_;

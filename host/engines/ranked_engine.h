@@ -1,5 +1,4 @@
-// rankedEngines() makes engines that divide their directions among all ranks. Counts are integers, so that their sums
-// have the same bits as the counts of one rank.
+// All ranks count this engine's directions. Counts are integers, so that their sums are those of one rank.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
@@ -12,7 +11,7 @@ namespace viewpeel {
 //   In: crew: kept by the caller; make_engine: for the part of this rank; kind: of the engines of other ranks
 EngineFactory rankedEngines(Crew& crew, EngineFactory make_engine, EngineKind kind);
 
-// These write and read the options that change counts, and the size of batches, as a part of a message between ranks.
+// A message has the options that change counts, and the size of batches.
 void putLattice(MessageWriter& out, const LatticeOptions& options);
 LatticeOptions getLattice(MessageReader& in);
 

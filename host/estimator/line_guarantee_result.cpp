@@ -1,4 +1,4 @@
-// This file makes form factors and intervals from the lines of a guarantee, and bounds the sums of rows.
+// This file makes form factors and intervals of a guarantee's lines, with bounds on rows.
 #include "estimator/line_guarantee.h"
 
 #include <algorithm>
@@ -28,8 +28,7 @@ std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
   return rows;
 }
 
-// Throws where too much of a row is left open after the first looks, for then further lines cannot bring the bound on
-// its sum to epsilon.
+// Refuses rows in which too much is left open after the first look: their bound cannot be kept any more.
 void LineGuarantee::requireRows() const {
   const std::vector<Row> rows = sumRows();
   for (uint32_t id = 0; id < ids_.count(); ++id) {
@@ -45,8 +44,7 @@ void LineGuarantee::requireRows() const {
   }
 }
 
-// Returns the interval of each entry, as exchange areas. An environment has two bounds, which are intersected: eq. (55)
-// from the first lines of its row, and the sum of the intervals of the row's other entries.
+// Finds intervals. A row's first lines together bound its environment, and so do the intervals of its entries.
 std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
   const std::vector<Row> rows = sumRows();
   const auto leftBy = [&](uint32_t id) {

@@ -14,8 +14,7 @@
 
 namespace viewpeel {
 
-// RankWork is the first byte of a question, and says what the rank is to do. `close_engine` and `stop` have no
-// answer; the answer to `end` is RankAnswer::ended.
+// The first byte of a question. `close`, `stop` and `end` have no answer but that serving has ended.
 enum class RankWork : uint8_t {
   hello,         // version and fingerprint of the scene -> threads of the rank
   open_engine,   // number, kind, lattice, ids -> nothing
@@ -32,7 +31,7 @@ enum class RankWork : uint8_t {
   end,
 };
 
-// RankAnswer is the first byte of an answer.
+// The first byte of an answer.
 enum class RankAnswer : uint8_t { done, stopped, failed, ended };
 
 class Crew {
@@ -58,7 +57,7 @@ class Crew {
 
   // Cuts tasks 0 to n - 1 into a range for each rank, of about equal cost for each of its threads.
   //   In: costs: double[n]; by_threads: false: of about equal cost for each rank
-  //   Out: size() + 1 ascending indices: rank r has the tasks from [r] to [r + 1] - 1
+  //   Out: size() + 1 ascending indices: rank r has those from [r] to [r + 1] - 1
   std::vector<size_t> cut(std::span<const double> costs, bool by_threads = true) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace viewpeel {
 
-// These write and read ids as a part of a message. Names are left out, because only results need them.
+// Ids in a message have no names, which only results need.
 void putIds(MessageWriter& out, const Ids& ids);
 Ids getIds(MessageReader& in);
 

@@ -1,5 +1,4 @@
-// A BandSystem solves the equations of all bands of wavelengths, and tells how answers respond to disturbances:
-// docs/solve.md, eq. (12) and (13).
+// A BandSystem has the equations of all bands, and tells how answers respond to disturbances.
 #pragma once
 #include <memory>
 #include <vector>
@@ -41,7 +40,7 @@ class BandSystem {
   double shift(size_t k) const { return shifts_[k]; }
   uint32_t steps() const;
 
-  // A Response says how temperatures, K, and irradiations, W/m2, change under a disturbance of A H_k, in first order.
+  // A Response says how answers change under a disturbance of A H_k, in first order.
   struct Response {
     Eigen::VectorXd temperature;
     BandVectors irradiation;

@@ -1,8 +1,7 @@
-// This file computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
+// Computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
 //
-// Let e be the diagonal matrix of emissivities, r = 1 - e, A that of areas, and X the closed exchange areas. With
-// S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e, the conductors are R = e X e + Y^T Y. So R is symmetric
-// to the last bit. Derivation: docs/solve.md, eq. (9).
+// Let r = 1 - e, S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e. Then the conductors are
+// R = e X e + Y^T Y. So R is symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
 #include <viewpeel/solve.h>
 
 #include <algorithm>
@@ -13,6 +12,7 @@
 
 #include <viewpeel/balance.h>
 #include <viewpeel/error.h>
+#include "solve/directional_law.h"
 #include "solve/irradiation.h"
 
 namespace viewpeel {
@@ -59,8 +59,7 @@ FormFactors asFormFactors(const ExchangeFactors& factors, const VectorXd& to_env
   return {std::move(ids), std::move(entries), {}};
 }
 
-// Leaves out factors that are below the cut from either row, and balances the others so that rows keep their sums. Each
-// row keeps its largest factor.
+// Leaves out factors below the cut in both directions, and balances the others so that rows keep their sums.
 void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& factors) {
   const auto n = static_cast<uint32_t>(factors.names.size());
   std::vector<double> largest(n), lost(n);
@@ -99,6 +98,7 @@ void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& fact
 }  // namespace
 
 ExchangeFactors findExchangeFactors(const FormFactors& form_factors, const Enclosure& enclosure, double drop_below) {
+  requireDiffuse(enclosure);
   const Ids& ids = form_factors.ids();
   if (enclosure.materials.size() != ids.count())
     throw Error(ErrorCode::bad_usage,

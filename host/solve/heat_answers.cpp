@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 double temperatureOf(double emissive_power) { return std::pow(emissive_power / kStefanBoltzmann, 0.25); }
 
-// Returns a temperature with its standard error. Since E = s T^4, dT = dE / (4 s T^3), s the Stefan-Boltzmann constant.
+// Returns a temperature with its standard error: E = s T^4, so dT = dE / (4 s T^3).
 Measured temperatureOf(const Measured& emissive_power) {
   const double temperature = temperatureOf(emissive_power.value);
   const double slope = 4 * kStefanBoltzmann * std::pow(temperature, 3);
@@ -24,7 +24,7 @@ Measured temperatureOf(const Measured& emissive_power) {
 class Answers {
  public:
   Answers(const HeatState& state, const ClosedExchange& closed, const Outside& outside, const CarriedErrors& errors,
-          const VectorXd& bounds)
+          const AnswerRows& answers, const VectorXd& bounds)
       : ids_(state.ids),
         enclosure_(state.enclosure),
         closed_(closed),
@@ -34,6 +34,7 @@ class Answers {
         h_(state.irradiation),
         b_(state.radiosity),
         errors_(errors),
+        answers_(answers),
         bounds_(bounds) {}
 
   HeatSolution solution() const {
@@ -41,8 +42,11 @@ class Answers {
     found.is_open = closed_.is_open;
     found.largest_lack = closed_.largest_lack;
     found.lacking_row = ids_.count() ? ids_.names[closed_.lacking_row] : "";
-    for (uint32_t i = 0; i < ids_.count(); ++i) found.rows.push_back(rowOf(i));
-    sumSurfaces(found);
+    for (size_t k = 0; k < answers_.rows.size(); ++k)
+      found.rows.push_back(answerOf(answers_.names[k], answers_.rows[k]));
+    for (size_t k = 0; k < answers_.surfaces.size(); ++k)
+      if (!answers_.surfaces[k].empty())
+        found.surfaces.push_back(answerOf(enclosure_.surface_names[k], answers_.surfaces[k]));
     found.to_environment = {closed_.environment.dot(b_ - outside_.power), errors_.environmentError(reflectivity_)};
     if (closed_.is_open && enclosure_.sky_and_ground) {
       using Part = CarriedErrors::Part;
@@ -57,17 +61,18 @@ class Answers {
   }
 
  private:
-  // Returns the emissive power of a row less HeatState::shift, W/m2.
+  // Returns the emissive power of a row less the shift; of a reflector, which emits nothing, its radiosity.
   double powerOf(uint32_t i) const {
     const Material& material = enclosure_.materials[i];
-    return material.temperature ? emissivePower(*material.temperature) - shift_
-                                : h_[i] + *material.heat_flux / material.emissivity;
+    return material.temperature       ? emissivePower(*material.temperature) - shift_
+           : material.emissivity == 0 ? h_[i]
+                                      : h_[i] + *material.heat_flux / material.emissivity;
   }
   double fluxOf(uint32_t i) const {
     const Material& material = enclosure_.materials[i];
     return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
   }
-  // Returns the derivative of a row's heat flux with respect to its irradiation; its temperature or heat flux is given.
+  // Returns the change of the heat flux with the irradiation, for a given temperature or heat flux.
   double fluxSlope(uint32_t i) const {
     return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
   }
@@ -120,7 +125,7 @@ class Answers {
     sum.emissivity = emitting / sum.area;
     std::vector<CarriedErrors::Term> irradiations, radiosities, fluxes, powers;
     double power = 0, radiosity = 0, irradiation = 0, flow = 0;
-    bool is_given = true;
+    std::optional<double> given;  // the temperature that all have
     for (const uint32_t i : rows) {
       const double share = ids_.areas[i] / sum.area,
                    emitted = ids_.areas[i] * enclosure_.materials[i].emissivity / emitting;
@@ -132,11 +137,11 @@ class Answers {
       radiosity += share * b_[i];
       power += emitted * powerOf(i);
       flow += ids_.areas[i] * fluxOf(i);
-      is_given = is_given && enclosure_.materials[i].temperature == enclosure_.materials[rows.front()].temperature &&
-                 enclosure_.materials[i].temperature;
+      if (enclosure_.materials[i].emissivity == 0) continue;  // a reflector has no temperature
+      if (&i == &rows.front()) given = enclosure_.materials[i].temperature;
+      else if (given != enclosure_.materials[i].temperature) given.reset();
     }
-    sum.temperature = is_given ? Measured{*enclosure_.materials[rows.front()].temperature, 0}
-                               : temperatureAt(power, errors_.standardError(powers), name);
+    sum.temperature = given ? Measured{*given, 0} : temperatureAt(power, errors_.standardError(powers), name);
     sum.radiosity = {radiosity + shift_, errors_.standardError(radiosities)};
     sum.irradiation = {irradiation + shift_, errors_.standardError(irradiations)};
     sum.heat_flux = {flow / sum.area, errors_.standardError(fluxes)};
@@ -155,16 +160,11 @@ class Answers {
     return sum;
   }
 
-  void sumSurfaces(HeatSolution& found) const {
-    const auto rows = rowsOfSurfaces(ids_, enclosure_.surface_names.size());
-    for (size_t k = 0; k < rows.size(); ++k) {
-      if (rows[k].size() == 1) {
-        found.surfaces.push_back(found.rows[rows[k].front()]);
-        found.surfaces.back().name = enclosure_.surface_names[k];
-      } else if (!rows[k].empty()) {
-        found.surfaces.push_back(sumRows(enclosure_.surface_names[k], rows[k]));
-      }
-    }
+  HeatRow answerOf(const std::string& name, const std::vector<uint32_t>& rows) const {
+    if (rows.size() > 1) return sumRows(name, rows);
+    HeatRow row = rowOf(rows.front());
+    row.name = name;
+    return row;
   }
 
   const Ids& ids_;
@@ -174,6 +174,7 @@ class Answers {
   const Outside& outside_;
   const VectorXd &reflectivity_, &h_, &b_;
   const CarriedErrors& errors_;
+  const AnswerRows& answers_;
   const VectorXd& bounds_;  // of irradiations; empty without intervals
 };
 
@@ -208,9 +209,15 @@ void HeatState::take(const VectorXd& irradiations) {
   radiosity = source + reflectivity.cwiseProduct(irradiation);
 }
 
+AnswerRows answerRows(const Ids& ids, const Enclosure& enclosure) {
+  AnswerRows answers{ids.names, {}, rowsOfSurfaces(ids, enclosure.surface_names.size())};
+  for (uint32_t i = 0; i < ids.count(); ++i) answers.rows.push_back({i});
+  return answers;
+}
+
 HeatSolution answerHeat(const HeatState& state, const ClosedExchange& closed, const Outside& outside,
-                        const CarriedErrors& errors, const VectorXd& bounds) {
-  return Answers(state, closed, outside, errors, bounds).solution();
+                        const CarriedErrors& errors, const AnswerRows& answers, const VectorXd& bounds) {
+  return Answers(state, closed, outside, errors, answers, bounds).solution();
 }
 
 }  // namespace viewpeel

@@ -69,8 +69,7 @@ class LineFinder {
   std::vector<bool> is_used_;
 };
 
-// Returns which of two lines counts for a face: the line with the face's name, else with its surface's name, else the
-// later line, both of which have wildcards.
+// Returns which of two lines counts for a face: the line with the face's name, else its surface's name, else the later.
 const Line* stronger(const Line* of_face, const std::string& face, const Line* of_surface, const std::string& surface) {
   if (!of_face || !of_surface) return of_face ? of_face : of_surface;
   if (of_face->name == face) return of_face;
@@ -85,10 +84,15 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   std::vector<const Line*> of_surface;
   of_surface.reserve(surface_names.size());
   for (const std::string& name : surface_names) of_surface.push_back(finder.find(name));
-  // Lines may name empty rows, too, so that these lines count as used.
+  // Lines may name empty rows, too.
   for (const EmptyRow& empty : ids.empty_rows) finder.find(empty.name);
 
-  Enclosure enclosure{{}, table.environment_temperature, surface_names, table.sky_and_ground, table.band_limits_um};
+  Enclosure enclosure{.materials = {},
+                      .environment_temperature = table.environment_temperature,
+                      .surface_names = surface_names,
+                      .sky_and_ground = table.sky_and_ground,
+                      .band_limits_um = table.band_limits_um,
+                      .laws = table.laws};
   for (uint32_t i = 0; i < ids.count(); ++i) {
     const bool has_surface = ids.surface[i] < of_surface.size();
     const Line* line =

@@ -17,15 +17,15 @@ namespace {
 using Eigen::VectorXd;
 using Outside = ExchangeProducts::Outside;
 
-// A square of the median area of polygons has this many spacings to its side. With half as many, errors double while
-// the time halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
+// A polygon of the median area has this many spacings to its side. With half as many, errors double while the time
+// halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
 constexpr double kSpacingsPerSide = 2;
-constexpr double kBeyondDoubt = 4.5;  // standard errors of an environment that is real, as in closeRows
+constexpr double kBeyondDoubt = 4.5;  // as closeRows
 
 }  // namespace
 
-PeeledExchange::PeeledExchange(const Scene& scene, const Ids& ids, const MatrixFreeRequest& request,
-                               const glm::dvec3& up, Watch watch)
+PeeledExchange::PeeledExchange(const Scene& scene, const Ids& ids, const std::optional<PolygonShares>& shares,
+                               const MatrixFreeRequest& request, const glm::dvec3& up, Watch watch)
     : scene_(scene), ids_(ids), request_(request), up_(up) {
   options_.resolution =
       request.resolution ? request.resolution : chooseResolution(scene, kSpacingsPerSide, kMaxResolution);
@@ -35,7 +35,8 @@ PeeledExchange::PeeledExchange(const Scene& scene, const Ids& ids, const MatrixF
   options_.on_batch = [this, show = std::move(watch.show)](uint64_t done) {
     if (show) show(done, batch_directions_);
   };
-  products_ = std::make_unique<ExchangeProducts>(scene, ids, options_);
+  products_ = shares ? std::make_unique<ExchangeProducts>(scene, *shares, options_)
+                     : std::make_unique<ExchangeProducts>(scene, ids, options_);
   closed_.areas = Eigen::Map<const VectorXd>(ids.areas.data(), ids.count());
 }
 
@@ -60,7 +61,7 @@ void PeeledExchange::requireNoLeak(const std::vector<Outside>& outside) const {
   double leak = 0, largest = 0;
   size_t row = 0;
   for (size_t i = 0; i < outside.size(); ++i) {
-    const double of_row = double(outside[i].leak) * of_count;
+    const double of_row = outside[i].leak * of_count;
     leak += of_row;
     if (of_row > largest) largest = of_row, row = i;
   }
@@ -81,12 +82,12 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   VectorXd with_pairs = VectorXd::Zero(n);
   std::vector<double> leaving;  // exchange area of all rows with the environment, by replicate
   const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / directions;
-  uint64_t before = 0;
+  double before = 0;
   for (uint32_t r = 0; r < kProductReplicateCount; ++r) {
     with_pairs += multiplyOpen(replicate(r), Columns::Ones(n, 1), &outside).col(0) / kProductReplicateCount;
-    uint64_t lines = 0;
+    double lines = 0;
     for (const Outside& of_row : outside) lines += of_row.ahead + of_row.behind;
-    leaving.push_back(double(lines - before) * of_count);
+    leaving.push_back((lines - before) * of_count);
     before = lines;
   }
   requireNoLeak(outside);
@@ -102,15 +103,15 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   if (closed_.is_open)
     for (Eigen::Index i = 0; i < n; ++i) {
       const Outside& of_row = outside[static_cast<size_t>(i)];
-      const auto lines = double(of_row.ahead + of_row.behind);
+      const double lines = of_row.ahead + of_row.behind;
       closed_.environment[i] = lines * of_count / kProductReplicateCount;
-      if (lines > 0) up_share_[i] = double(of_row.ahead) / lines;
+      if (lines > 0) up_share_[i] = of_row.ahead / lines;
     }
   given_ = with_pairs + closed_.environment;
   closed_.largest_lack = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    // A line between two polygons of one row leaves the row at both of its ends, so that it counts twice.
-    const double own = 2 * double(outside[static_cast<size_t>(i)].own) * of_count / kProductReplicateCount;
+    // A line between two polygons of one row leaves the row at both of its ends.
+    const double own = 2 * outside[static_cast<size_t>(i)].own * of_count / kProductReplicateCount;
     const double lack = 1 - (given_[i] + own) / closed_.areas[i];
     if (std::abs(lack) > std::abs(closed_.largest_lack))
       closed_.largest_lack = lack, closed_.lacking_row = static_cast<uint32_t>(i);
@@ -129,8 +130,8 @@ PeeledExchange::Part PeeledExchange::multiplyPart(uint32_t r, const Columns& v) 
   if (!closed_.is_open) return part;
   const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / double(replicate(r).size());
   for (Eigen::Index i = 0; i < v.rows(); ++i) {
-    part.up[i] = double(outside[static_cast<size_t>(i)].ahead) * of_count;
-    part.down[i] = double(outside[static_cast<size_t>(i)].behind) * of_count;
+    part.up[i] = outside[static_cast<size_t>(i)].ahead * of_count;
+    part.down[i] = outside[static_cast<size_t>(i)].behind * of_count;
   }
   return part;
 }

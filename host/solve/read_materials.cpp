@@ -13,14 +13,16 @@
 #include "io/csv.h"
 #include "scene/words.h"
 #include "solve/blackbody.h"
+#include "solve/directional_law.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel {
 namespace {
 
 // The first fields of a line, in the order in which they are kept. Emissivities of bands follow, shortest waves first.
-enum Column { kSurface, kEmissivity, kTemperature, kHeatFlux, kFirstBand };
-constexpr std::array<const char*, kFirstBand> kColumns{"surface", "emissivity", "temperature", "heat_flux"};
+enum Column { kSurface, kEmissivity, kTemperature, kHeatFlux, kDirectional, kFirstBand };
+constexpr std::array<const char*, kFirstBand> kColumns{"surface", "emissivity", "temperature", "heat_flux",
+                                                       "directional"};
 constexpr const char* kBandPrefix = "emissivity:";
 using Fields = std::vector<std::string>;
 
@@ -82,7 +84,11 @@ Header readHeader(const std::vector<std::string>& names, const FilePlace& place)
   }
   header.has_bands = !bands.empty();
   if (header.has_bands) settleBands(bands, place, header);
-  for (size_t k = 0; k < kColumns.size(); ++k) {
+  const auto directional_columns = std::ranges::count(header.columns, size_t{kDirectional});
+  if (directional_columns > 1) place.refuse("the header has the column 'directional' twice; remove one");
+  if (directional_columns == 1 && header.has_bands)
+    place.refuse("the header has the column 'directional' beside columns of bands; leave one of the two out");
+  for (size_t k = 0; k < kDirectional; ++k) {
     const bool is_absent = header.has_bands && k == kEmissivity;
     if (std::ranges::count(header.columns, k) == (is_absent ? 0 : 1)) continue;
     place.refuse(is_absent ? "the header has the column 'emissivity' beside columns of bands; remove it"
@@ -106,7 +112,32 @@ double readTemperature(const std::string& field, const FilePlace& place) {
   return temperature;
 }
 
-Material readMaterial(const Fields& fields, const FilePlace& place) {
+// Laws reads directional laws, each once, by the text that names them.
+class Laws {
+ public:
+  // Returns the index of a law, or nothing where the text is empty.
+  //   In: text: `cosine:POWER`, or the name of a table, beside the materials    Throws: Error bad_input.
+  std::optional<uint32_t> find(const std::string& text, const FilePlace& place) {
+    if (text.empty()) return {};
+    const auto [known, is_new] = index_of_.try_emplace(text, static_cast<uint32_t>(laws.size()));
+    if (!is_new) return known->second;
+    if (text.starts_with(kCosine)) {
+      laws.push_back({.cosine_power = parseFinite(std::string_view(text).substr(kCosine.size()), place)});
+      if (const std::string fault = findFault(laws.back()); !fault.empty()) place.refuse(fault);
+    } else {
+      laws.push_back(readDirectionalLaw((std::filesystem::path(place.file).parent_path() / text).string()));
+    }
+    return known->second;
+  }
+
+  std::vector<DirectionalLaw> laws;
+
+ private:
+  static constexpr std::string_view kCosine = "cosine:";
+  std::map<std::string, uint32_t> index_of_;
+};
+
+Material readMaterial(const Fields& fields, const FilePlace& place, Laws& laws) {
   Material material;
   for (size_t k = kFirstBand; k < fields.size(); ++k)
     material.band_emissivities.push_back(readEmissivity(fields[k], place));
@@ -120,6 +151,10 @@ Material readMaterial(const Fields& fields, const FilePlace& place) {
                              fields[kTemperature].empty() ? "nor" : "and"));
   if (!fields[kTemperature].empty()) material.temperature = readTemperature(fields[kTemperature], place);
   else material.heat_flux = fields[kHeatFlux] == "adiabatic" ? 0 : parseFinite(fields[kHeatFlux], place);
+  material.directional = laws.find(fields[kDirectional], place);
+  if (material.directional)
+    if (const std::string excess = findExcess(material.emissivity, laws.laws[*material.directional]); !excess.empty())
+      place.refuse(excess);
   return material;
 }
 
@@ -140,7 +175,7 @@ double readEnvironment(const Fields& fields, const FilePlace& place, const std::
   const bool is_black = std::ranges::all_of(Header::emissivitiesOf(fields), [&](const std::string& field) {
     return field.empty() || parseFinite(field, place) == 1;
   });
-  if (!is_black || fields[kTemperature].empty() || !fields[kHeatFlux].empty())
+  if (!is_black || fields[kTemperature].empty() || !fields[kHeatFlux].empty() || !fields[kDirectional].empty())
     place.refuse(fmt::format("'{0}' is black and has a temperature alone; write {0},,KELVIN,", name));
   return readTemperature(fields[kTemperature], place);
 }
@@ -173,6 +208,7 @@ MaterialTable readMaterials(const std::filesystem::path& file) {
   std::vector<std::string> fields;
   std::map<std::string, uint32_t> lines;
   EnvironmentLines environment;
+  Laws laws;
   for (std::string text; std::getline(in, text);) {
     ++place.line;
     const std::string_view line = place.line == 1 ? skipByteOrderMark(text) : std::string_view(text);
@@ -195,12 +231,13 @@ MaterialTable readMaterials(const std::filesystem::path& file) {
     }
     if (const auto [earlier, is_new] = lines.try_emplace(name, place.line); !is_new)
       place.refuse(fmt::format("'{}' has a material on line {} already; remove one", printable(name), earlier->second));
-    table.lines.push_back({name, readMaterial(ordered, place), place.line});
+    table.lines.push_back({name, readMaterial(ordered, place, laws), place.line});
   }
   if (in.bad()) place.refuse("cannot be read to its end");
   place.line = 0;
   if (header.columns.empty()) place.refuse("has no header; the first line is surface,emissivity,temperature,heat_flux");
   table.band_limits_um = header.limits_um;
+  table.laws = std::move(laws.laws);
   settleEnvironment(environment, place, table);
   if (table.lines.empty()) place.refuse("has no materials; give each surface a line, or one to 'default'");
   return table;

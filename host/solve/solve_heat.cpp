@@ -3,6 +3,7 @@
 
 #include "solve/banded_heat.h"
 #include "solve/check_enclosure.h"
+#include "solve/directional_law.h"
 #include "solve/heat_answers.h"
 #include "solve/heat_bounds.h"
 #include "solve/heat_errors.h"
@@ -29,10 +30,10 @@ HeatSolution solveGrey(const FormFactors& form_factors, const Enclosure& enclosu
   state.take(irradiation.solve(closed.pairs * state.source + closed.environment.cwiseProduct(outside.power)));
   const HeatErrors errors(form_factors, closed, irradiation, state.radiosity, outside);
   VectorXd bounds;
-  // Bounds on answers need an interval for every pair, so pairs without an entry must be known to be 0.
+  // Bounds on answers need an interval for every pair: pairs without an entry must be 0.
   if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
     bounds = boundIrradiation(form_factors, closed, irradiation, state.radiosity);
-  HeatSolution found = answerHeat(state, closed, outside, errors, bounds);
+  HeatSolution found = answerHeat(state, closed, outside, errors, answerRows(ids, enclosure), bounds);
   found.steps = irradiation.steps();
   return found;
 }
@@ -40,6 +41,7 @@ HeatSolution solveGrey(const FormFactors& form_factors, const Enclosure& enclosu
 }  // namespace
 
 HeatSolution solveHeat(const FormFactors& form_factors, const Enclosure& enclosure) {
+  requireDiffuse(enclosure);
   return enclosure.band_limits_um.empty() ? solveGrey(form_factors, enclosure) : solveBands(form_factors, enclosure);
 }
 

@@ -1,7 +1,7 @@
-// This file solves the grey enclosure without a matrix: docs/solve.md, eq. (1) to (6) and (14).
+// Solves the grey enclosure without a matrix: docs/solve.md, eq. (1) to (6) and (14).
 //
-// All replicates' directions together make one symmetric operator, for which the enclosure is solved once. How far each
-// replicate's exchange differs from the exchange of all gives the errors of the answers, to first order.
+// All replicates' directions together make one symmetric operator, for which the enclosure is solved once. How far the
+// answers are off follows from each replicate's exchange beside that of all, with the same operator, in first order.
 // Replicates are not solved each alone: the bias of a solution, which is of second order, would be 8 times as large,
 // and a small polygon that no line of a replicate meets would leave its equations without a solution.
 #include <viewpeel/matrix_free.h>
@@ -13,6 +13,7 @@
 #include "solve/check_enclosure.h"
 #include "solve/heat_answers.h"
 #include "solve/peeled_exchange.h"
+#include "solve/split_rows.h"
 #include "stopwatch.h"
 #include <viewpeel/error.h>
 
@@ -22,12 +23,10 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kBytesOfPair = 80;      // counters, form factors with their errors, and the equations; an estimate
-constexpr double kErrorResidual = 1e-3;  // relative residual of the equations for standard errors
+constexpr double kErrorResidual = 1e-3;  // of standard errors, as a share of them
 constexpr uint32_t kMostSteps = 10'000, kMostDirections = 1 << 16, kScarceRounds = 2;
-// Errors of answers are taken to fall as N^-0.6 with N directions. The next N aims at this share of the tolerance.
+// Errors of answers fall at least so with the number of directions; the next number aims at less than the tolerance.
 constexpr double kExponent = 0.6, kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 16;
-
-constexpr HeatTolerance kOfHeat{0.01, HeatTolerance::Of::relative}, kOfTemperatures{1, HeatTolerance::Of::temperature};
 
 struct Stopped {
   bool is_interrupted;
@@ -44,8 +43,8 @@ class Preconditioned {
     scale_ = diagonal_.unaryExpr([](double value) { return value > 0 ? 1 / value : 0.0; });
   }
 
-  // Returns the irradiations H of (A - X R) H = b, with the right side b, the areas A, and the reflectivities R.
-  //   In: h: a first guess of R^(1/2) H, which the solution replaces
+  // Returns H of (A - X R) H = b.
+  //   In: g: the first guess of R^(1/2) H, replaced by the solution
   Columns solve(const Columns& b, double residual, Columns& h) {
     const Columns right_side = root_.asDiagonal() * b;
     findRoots(right_side, residual, h);
@@ -96,8 +95,7 @@ class Preconditioned {
   uint32_t steps_ = 0;
 };
 
-// ReplicateErrors have a column for each of R replicates: how far irradiations move if its exchange replaces that of
-// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance.
+// ReplicateErrors have a column for each replicate: how far it moves the irradiations, over the root of R (R - 1).
 class ReplicateErrors : public CarriedErrors {
  public:
   ReplicateErrors(PeeledExchange& exchange, const HeatState& state, const Outside& outside, Preconditioned& solver)
@@ -163,10 +161,10 @@ class MatrixFreeSolver {
                   fmt::format("{}: bands of wavelengths take form factors in memory; say --matrix-free off, or give "
                               "one emissivity",
                               materials.file));
-    found_.tolerance = request.tolerance.value_or(areAllFluxesGiven(enclosure_) ? kOfTemperatures : kOfHeat);
-    requireTolerance(found_.tolerance, enclosure_);
+    requireTolerance(request.tolerance, enclosure_);
+    split_ = splitRows(scene, ids_, enclosure_);
     exchange_ = std::make_unique<PeeledExchange>(
-        scene, ids_, request, materials.up,
+        scene, split_.ids, split_.shares, request, materials.up,
         PeeledExchange::Watch{.stop = [this] { stopInTime(); },
                               .show = [this](uint64_t done, uint64_t all) { show(done, all); }});
   }
@@ -177,7 +175,7 @@ class MatrixFreeSolver {
         exchange_->draw(static_cast<uint32_t>(directions), found_.rounds++);
         if (const std::optional<uint32_t> row = findRowWithoutReference()) {
           if (found_.rounds > kScarceRounds || directions * 4 > kMostDirections)
-            refuseWithoutReference(ids_.names[*row]);
+            refuseWithoutReference(split_.ids.names[*row]);
           directions *= 4;
           continue;
         }
@@ -205,15 +203,15 @@ class MatrixFreeSolver {
     if (observer_.on_progress) observer_.on_progress(exchange_->productCount() + 1, done, all, reached_);
   }
 
-  // Finds a row of given heat flux that exchanges, even through other rows, with nothing of a given temperature. A
-  // vector is 1 for rows that are known to do so, and products with it find further ones.
+  // Finds a row of given heat flux that has no way to a temperature, by products with what is known to have one.
   std::optional<uint32_t> findRowWithoutReference() {
     const Eigen::Index n = exchange_->closed().areas.size();
     requireMaterials(exchange_->closed(), enclosure_, ids_);
     Columns refers(n, 1);
     for (Eigen::Index i = 0; i < n; ++i)
       refers(i, 0) =
-          enclosure_.materials[static_cast<size_t>(i)].temperature || exchange_->closed().environment[i] > 0 ? 1 : 0;
+          split_.enclosure.materials[static_cast<size_t>(i)].temperature || exchange_->closed().environment[i] > 0 ? 1
+                                                                                                                   : 0;
     for (double referring = refers.sum(); referring < double(n);) {
       const Columns products = exchange_->multiply(refers);
       for (Eigen::Index i = 0; i < n; ++i)
@@ -229,20 +227,21 @@ class MatrixFreeSolver {
 
   HeatSolution solveRound() {
     const ClosedExchange& closed = exchange_->closed();
-    if (closed.is_open && enclosure_.sky_and_ground) {
-      EnvironmentParts& parts = enclosure_.environment_parts.emplace();
+    const Enclosure& enclosure = split_.enclosure;
+    if (closed.is_open && enclosure.sky_and_ground) {
+      EnvironmentParts& parts = split_.enclosure.environment_parts.emplace();
       for (const double share : exchange_->upShare()) parts.up_share.push_back({share, 0});
     }
-    HeatState state(ids_, enclosure_, closed.is_open);
+    HeatState state(split_.ids, enclosure, closed.is_open);
     const Outside outside =
-        makeOutside(closed, enclosure_, [&](double temperature) { return emissivePower(temperature) - state.shift; });
+        makeOutside(closed, enclosure, [&](double temperature) { return emissivePower(temperature) - state.shift; });
     Preconditioned solver(*exchange_, state.reflectivity);
     if (guess_.size() == 0) guess_ = Columns::Zero(state.source.size(), 1);
     const Columns arriving = exchange_->multiply(state.source) + closed.environment.cwiseProduct(outside.power);
     state.take(solver.solve(arriving, request_.residual, guess_).col(0));
     steps_ = solver.steps();
     const ReplicateErrors errors(*exchange_, state, outside, solver);
-    return answerHeat(state, closed, outside, errors);
+    return answerHeat(state, closed, outside, errors, split_.answers);
   }
 
   void takeRound(HeatSolution solution) {
@@ -253,15 +252,15 @@ class MatrixFreeSolver {
     found_.directions = exchange_->directionCount();
     found_.sweeps = exchange_->sweeps();
     found_.resolution = exchange_->resolution();
-    // Conjugate gradients for all replicates at once keep six vectors for each.
-    found_.memory_bytes = exchange_->memoryBytes() + 6 * kProductReplicateCount * sizeof(double) * ids_.count();
+    // Conjugate gradients of all replicates at once have six sets of vectors.
+    found_.memory_bytes = exchange_->memoryBytes() + 6 * kProductReplicateCount * sizeof(double) * split_.ids.count();
     found_.seconds = secondsSince(start_);
-    reached_ = largestHeatError(found_.heat, found_.tolerance.of);
-    found_.is_reached = reached_ <= found_.tolerance.standard_error;
+    reached_ = largestHeatError(found_.heat, request_.tolerance.of);
+    found_.is_reached = reached_ <= request_.tolerance.standard_error;
   }
 
   uint64_t nextDirections(uint64_t directions) const {
-    const double excess = reached_ / (kMargin * found_.tolerance.standard_error);
+    const double excess = reached_ / (kMargin * request_.tolerance.standard_error);
     const double growth = std::clamp(std::pow(excess, 1 / kExponent), kLeastGrowth, kMostGrowth);
     return std::min<uint64_t>(static_cast<uint64_t>(std::ceil(double(directions) * growth)), kMostDirections);
   }
@@ -269,8 +268,9 @@ class MatrixFreeSolver {
   const MatrixFreeRequest& request_;
   const MatrixFreeObserver& observer_;
   const Clock::time_point start_ = Clock::now();
-  Ids ids_;
-  Enclosure enclosure_;
+  Ids ids_;              // of the answers
+  Enclosure enclosure_;  // of ids_
+  SplitRows split_;      // of which the equations are
   std::unique_ptr<PeeledExchange> exchange_;
   Columns guess_;
   MatrixFreeHeat found_;

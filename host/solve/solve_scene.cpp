@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "solve/check_enclosure.h"
+#include "solve/directional_law.h"
 #include "stopwatch.h"
 #include <viewpeel/error.h>
 
@@ -69,6 +70,7 @@ SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request
   std::vector<std::string> surface_names;
   for (const Surface& surface : scene.surfaces) surface_names.push_back(surface.name);
   Enclosure enclosure = assignMaterials(materials, makeIds(scene, request.by, request.two_sided), surface_names);
+  requireDiffuse(enclosure);
   if (!tolerance) return solveOnce(scene, materials, enclosure, request, observer);
 
   requireTolerance(*tolerance, enclosure);

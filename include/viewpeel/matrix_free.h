@@ -13,12 +13,12 @@ namespace viewpeel {
 struct MatrixFreeRequest {
   By by = By::polygon;
   bool two_sided = false;
-  std::optional<HeatTolerance> tolerance;  // without: 1 % of all heat, or 1 K where all heat fluxes are given
-  uint32_t first_directions = 32;          // of each of the 8 replicates in the first round, above 0
-  int resolution = 0;      // lattice spacings across the unit ball's diameter; 0: one to a polygon's side
-  double residual = 1e-7;  // conjugate gradients end there, as a share of the right side; above 0
-  uint64_t seed = 1;       // the same seed gives the same bits
-  uint32_t threads = 0;    // 0: one for each core
+  HeatTolerance tolerance{0.01, HeatTolerance::Of::relative};
+  uint32_t first_directions = 32;  // of each of the 8 replicates in the first round, above 0
+  int resolution = 0;              // lattice spacings across the unit ball's diameter; 0: one to a polygon's side
+  double residual = 1e-7;          // conjugate gradients end there, as a share of the right side; above 0
+  uint64_t seed = 1;               // the same seed gives the same bits
+  uint32_t threads = 0;            // 0: one for each core
   std::optional<double> time_limit_s;
 };
 
@@ -37,7 +37,6 @@ struct MatrixFreeObserver {
 // A MatrixFreeHeat has the answers of the last round of directions.
 struct MatrixFreeHeat {
   HeatSolution heat;
-  HeatTolerance tolerance;  // the request's, or the default
   uint32_t replicates = 0, rounds = 0;
   uint64_t directions = 0;    // of all replicates of the last round together
   uint64_t sweeps = 0;        // of the scene along a direction, in all rounds
@@ -59,7 +58,9 @@ constexpr double kMostMatrixBytes = 4.0 * (1u << 30);
 //   x_ij = (2 / N) sum_u A'_ij(u) estimates the exchange areas from N common directions u. A'_ij(u) is the area of the
 //   lines along u on which i and j are a facing pair. Directions are peeled again for each product of the matrix x with
 //   a vector.
-//   In: scene; materials: grey; request
+//   Rows whose emissivity depends on the angle are split into an emitter and a reflector, whose lines are weighted in
+//   each direction: docs/method.md, section 15.
+//   In: scene; materials: grey, diffuse or directional; request
 //   Out: see MatrixFreeHeat. The first round's answers are kept where a later one is stopped.
 //   Error: standard errors are those of 8 replicates, carried to first order. The equations are solved to
 //     request.residual. Tests: tests/unit/matrix_free_test.cpp, against the same counts in a matrix and closed forms.

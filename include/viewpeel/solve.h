@@ -22,6 +22,17 @@ struct Material {
   std::optional<double> heat_flux;    // W/m2 by which the row emits more than it absorbs; 0: adiabatic
   // Emissivities by band of wavelengths, each in (0, 1], used instead of `emissivity`. Empty for grey rows.
   std::vector<double> band_emissivities{};
+  std::optional<uint32_t> directional{};  // index of the law by which emissivity depends on the angle; unset: diffuse
+};
+
+// A DirectionalLaw says how emissivity depends on the angle from the normal: e(angle) = emissivity g(angle). The law
+// gives the shape of g, which is scaled to the mean 1 over the hemisphere, weighted by the cosine. So
+// Material::emissivity stays the hemispherical emissivity.
+struct DirectionalLaw {
+  double cosine_power = 0;  // g is proportional to cos^power; at least 0
+  // Or g is proportional to a table, linear in the angle: angles ascend from 0 to 90 degrees, values are at least 0.
+  // Used instead of the power unless empty.
+  std::vector<double> angles_deg{}, values{};
 };
 
 // Sky and ground are the parts of the environment above and below the horizon. Both are black, each at one temperature.
@@ -42,6 +53,7 @@ struct MaterialTable {
   std::optional<double> environment_temperature;  // K; unset where sky and ground have temperatures
   std::optional<SkyAndGround> sky_and_ground{};
   std::vector<double> band_limits_um{};  // as in Enclosure
+  std::vector<DirectionalLaw> laws{};    // that Material::directional is an index of
   glm::dvec3 up{0, 0, 1};                // upwards, orthogonal to the horizon; set by the caller
 };
 
@@ -55,14 +67,17 @@ struct Enclosure {
   // no end. Empty where rows are grey.
   std::vector<double> band_limits_um{};
   std::optional<EnvironmentParts> environment_parts{};  // for the same rows; needed with sky_and_ground
+  std::vector<DirectionalLaw> laws{};                   // that Material::directional is an index of
 };
 
 // Reads a .csv with the header `surface,emissivity,temperature,heat_flux`; columns may stand in any order.
 //   In: file: a line for each name, with either a temperature in K, or a heat_flux in W/m2 or `adiabatic`. The line
 //     `environment` has only a temperature. Lines `environment:up` and `environment:down` split it; where one is
 //     missing, `environment` gives its temperature. With bands of wavelengths the header has a column for each band
-//     instead of `emissivity`: `emissivity:0-2.5`, `emissivity:2.5-8`, `emissivity:8-inf`, in micrometres. Empty lines
-//     and lines that begin with # are skipped.
+//     instead of `emissivity`: `emissivity:0-2.5`, `emissivity:2.5-8`, `emissivity:8-inf`, in micrometres. A column
+//     `directional` may say how emissivity depends on the angle: empty for diffuse rows, `cosine:POWER`, or the name of
+//     a .csv with the header `angle_degrees,relative_emissivity`, beside the file. Empty lines and lines that begin
+//     with # are skipped.
 //   Out: the lines, in their order
 //   Error: none: numbers as the file has them. Tests: tests/unit/solve_materials_test.cpp.
 //   Throws: Error bad_input, naming file, line and remedy: an emissivity outside (0, 1], both or neither of temperature
@@ -129,7 +144,8 @@ struct HeatSolution {
 //     temperature of the environment or the first given one. Standard errors are of first order, for independent pairs;
 //     above 1,000 rows they are themselves estimates with a relative standard error of 1/16. Tests:
 //     tests/unit/solve_heat_test.cpp, solve_errors_test.cpp, solve_bounds_test.cpp.
-//   Throws: Error bad_usage for form factors of some rows only, for materials that do not match them, or for intervals
+//   Throws: Error bad_usage for form factors of some rows only, for materials that do not match them, for directional
+//     materials, which solveMatrixFree takes, or for intervals
 //     together with sky and ground or with bands; bad_input where radiation ends on backs, leaves a scene without an
 //     environment, rows exchange with no given temperature, or a heat flux would need a temperature below 0; limit
 //     where conjugate gradients do not converge.

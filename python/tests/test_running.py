@@ -83,8 +83,7 @@ class Running(unittest.TestCase):
         took = time.monotonic() - begun
         is_over.set()
         other.join()
-        # If the run kept the interpreter's lock, the other thread would tick once or twice. It sleeps 0.01 s between
-        # ticks, and so makes up to 100 a second; a tenth of that leaves room for a loaded machine.
+        # A thread without the lock would tick once or twice; an unloaded machine gives it a hundred ticks a second.
         self.assertGreater(len(ticks), 10 * took)
 
     def test_two_runs_at_once_have_the_bits_of_one(self):

@@ -1,4 +1,4 @@
-"""Declares the types of the compiled part. Users call viewpeel's functions, not this module."""
+"""Types of the compiled part. It is no interface of its own: viewpeel's functions are."""
 
 from typing import Any, Callable, Optional, Sequence, Union
 
