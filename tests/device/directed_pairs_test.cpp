@@ -130,7 +130,8 @@ TEST(DirectedPairs, AgreeWithTheTruthOverSeeds) {
   EXPECT_LE(std::abs(sum / kSeeds), 4 * std::sqrt(squares) / kSeeds);
 }
 
-// The run reaches its goal with at most a fifth of the directions that it takes without directions for single pairs.
+// The run reaches its goal with less than a fifth of the directions that it takes without directions for single pairs.
+// The fifth is no bound but what the method is for; both runs have fixed seeds.
 TEST(DirectedPairs, ReachTheGoalSooner) {
   Directed made(ts::squaresPastAnEdge());
   EstimateOptions goal = kGoal;
@@ -147,7 +148,7 @@ TEST(DirectedPairs, ReachTheGoalSooner) {
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).value, with.between_surfaces.exchangeArea(0, 1).value);
   EXPECT_EQ(with.form_factors.exchangeArea(0, 1).standard_error,
             with.between_surfaces.exchangeArea(0, 1).standard_error);
-  // Row sums come from common directions, and differ from 1 by the error of these.
+  // Row sums come from common directions, and differ from 1 by the error of these directions.
   EXPECT_TRUE(isEstimateOf(with.form_factors.rowSums()[0], 1, with.replicates));
 }
 

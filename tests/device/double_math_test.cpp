@@ -41,7 +41,7 @@ double ulpOf(long double x) {
   return std::ldexp(1.0, exponent - 53);
 }
 
-// double_math.glsl promises 3 ulp; for logarithms nearer to 0 than 0.1 these are 3 ulp of 0.1.
+// double_math.glsl promises an error of 3 ulp; for logarithms nearer to 0 than 0.1 it promises 3 ulp of 0.1.
 TEST(DoubleMath, ThreeUlpOfLogarithmAndAngle) {
   constexpr double kUlps = 3;
   std::mt19937_64 random(71);

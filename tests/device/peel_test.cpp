@@ -260,7 +260,8 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   }
 }
 
-// A meeting has more layers than one invocation may go through, and a tile has more meetings than one workgroup takes.
+// 1,000 layers lie over one another, so that blocked pairs are many. A task of the pass that counts them, a Meeting of
+// shaders/shared.h, has more layers than one invocation may go through. A tile has more tasks than a workgroup takes.
 TEST(Peel, HundredsOfLayersMeet) {
   std::vector<double> heights;
   for (int k = 0; k < 1000; k += 2) heights.insert(heights.end(), 2, 1e-3 * k);  // two sheets at each height

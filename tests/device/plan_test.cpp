@@ -71,9 +71,9 @@ TEST(Plan, PredictsErrorsOfVisibilitiesFromFewLines) {
 }
 
 // The lattice of the first pilot hardly meets this strip. Only a finer lattice shows the variance that directions add.
-// A run planned without it took 3,062 replicates. With 6 degrees of freedom a variance is estimated below a 20th of its
-// value with probability 1e-4. So errors are below 4.5 times the predicted ones, and interpolation may add a factor of
-// 2.
+// A run that was planned without a finer lattice took 3,062 replicates. With 6 degrees of freedom a variance is
+// estimated below a 20th of its value with probability 1e-4. So errors are below 4.5 times the predicted ones, and
+// interpolation may add a factor of 2.
 TEST(Plan, CoarseLatticesDoNotHideWhatDirectionsAdd) {
   InputScene input{"strip over a square", {}, {}};
   ts::addFace(input, "square", {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});

@@ -55,6 +55,8 @@ TEST(Work, EdgeOnPolygonsEnterNoTile) {
   EXPECT_EQ(floor_and_wall.list_entries, floor_and_wall.active_tiles);
 }
 
+// A question about one box or one pair restricts the tiles to the places where its polygons are. The factors of 2 and 4
+// are coarse checks and not derived.
 TEST(Work, OnlyTheWindowOfWhatWasRequested) {
   const auto directions = sampleDirections(Sampler::fibonacci, 30, 3, 0);
   const InputScene room = ts::roomWithTouchingBoxes();

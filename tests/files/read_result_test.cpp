@@ -80,7 +80,7 @@ TEST_F(ReadResult, BringsBackWhatWasWritten) {
   }
 }
 
-// A question leaves out rows. Only requested rows have form factors to these.
+// A question leaves out rows. Only requested rows have form factors to the rows left out.
 TEST_F(ReadResult, BringsBackTheRowsOfAQuestion) {
   Ids ids = form_factors_.ids();
   ids.requested = {false, true, false, true};

@@ -214,7 +214,8 @@ assert found[0] < 0.01 < 1 < found[1], found
 )");
 }
 
-// The diagonal F_ii takes what a row lacks, except for the radiation that leaves an open scene.
+// The diagonal F_ii takes what a row lacks, except for the radiation that leaves an open scene. So the area times the
+// row sum in the file is A_i (1 - F_i,environment). A file keeps doubles: only sums of a few terms round.
 TEST_F(SmallFormats, SyrthesDiagonalIsWithoutTheEnvironment) {
   const FormFactors f = randomFormFactors(unequalRows(4), 23);
   writeFormFactors(f, folder_ / "mesh.fdf");

@@ -208,6 +208,7 @@ TEST_F(View3dFiles, ReflectionsAreHottelsFactors) {
   EXPECT_NE(result.output.find("passed"), std::string::npos) << result.output;
 }
 
+// closeRows() ends at rows that sum to 1 within 1e-7. One number for both directions keeps reciprocity.
 TEST_F(View3dFiles, ClosedRowsSumToOneAndStayReciprocal) {
   View3dMatrix matrix = randomMatrix(7);
   ASSERT_TRUE(closeRows(matrix, std::vector<double>(7, 1.0)));
@@ -258,8 +259,8 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   std::istringstream lines(textOf("row.txt"));
   std::vector<double> values;
   for (double value; lines >> value;) values.push_back(value);
-  ASSERT_EQ(values.size(), 9u);  // all surfaces but the merged one
-  EXPECT_NEAR(values[1], 0.199825, 5e-4);
+  ASSERT_EQ(values.size(), 9u);            // all surfaces but the merged one
+  EXPECT_NEAR(values[1], 0.199825, 5e-4);  // opposite faces of a cube (Howell, C-11), to five times the file's eps
   room.replace(room.find("row=1"), 5, "row=1 col=7");
   write("column.vs3", room);
   ASSERT_EQ(runView3d("column.vs3 column.txt"), 0);
@@ -267,12 +268,11 @@ TEST_F(View3dFiles, ProgramWritesOneRowOrLogsOneEntry) {
   EXPECT_NE(textOf("View3D.log").find("F[1][7] = 2.00"), std::string::npos) << textOf("View3D.log");
 }
 
-// View3D's sample cases (public domain) are compared with a longer run by exact areas, which shares no lattice,
-// pair lines or closed form with the program. One of the 5,780 pairs exceeds 5.5 standard errors of 64
-// replicates for 1 of 230 seeds; this seed is fixed. The file box345 requires rows that sum to 1: rows and
-// columns are multiplied by 1 + u_i, which changes F_ij by F_ij (u_i + u_j). If all rows lack the same, u is
-// half of it; twice the largest lack is allowed. Without this file's rule each form factor is compared as it
-// is.
+// View3D's sample cases (public domain) are compared with a longer run by exact areas, which shares no lattice, pair
+// lines or closed form with the program. One of the 5,780 pairs exceeds 5.5 standard errors of 64 replicates for 1 of
+// 230 seeds; this seed is fixed. The file box345 requires rows that sum to 1. So row and column i are multiplied by
+// 1 + u_i, which changes F_ij by F_ij (u_i + u_j). If all rows lack the same, u is half of this lack; twice the largest
+// lack is allowed. Without the rule of box345 each form factor is compared as it is.
 TEST_F(View3dFiles, SampleCasesAgreeWithExactAreas) {
   for (const std::string name : {"facet", "wdwdoor", "box345"}) {
     std::ostringstream text;

@@ -26,6 +26,7 @@ bool has(const Choices& run, const std::string& axis, const std::string& part);
 // contradict each other.
 std::vector<std::string> refusalsOf(const Choices& run);
 
+// A Pair is the choice number a of axis axis_a together with the choice number b of axis axis_b.
 struct Pair {
   size_t axis_a, a, axis_b, b;
   auto operator<=>(const Pair&) const = default;

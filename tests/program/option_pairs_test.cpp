@@ -51,7 +51,7 @@ struct Stated {
 // All runs together compare some 10,000 form factors and row sums, so that one run of these tests in 1,000 raises a
 // false alarm.
 constexpr double kFalseAlarm = 1e-7;
-constexpr double kRounding = 1e-9;  // of a sum of 100 entries, and of corners snapped to 2^-15 of a spacing
+constexpr double kRounding = 1e-9;  // error of a sum of 100 entries, and of corners snapped to 2^-15 of a spacing
 
 double studentQuantile(uint64_t replicates) {
   return boost::math::quantile(

@@ -151,7 +151,7 @@ TEST_F(RankProgram, AKilledRankLeavesAWholeCheckpoint) {
   EXPECT_EQ(readFile(file("resumed.csv")), readFile(file("alone.csv")));
 }
 
-// A signal to mpirun stops all ranks together, and rank 0 writes what it has.
+// A signal to mpirun stops all ranks together, and rank 0 writes the results so far.
 TEST_F(RankProgram, SignalsStopAllRanks) {
   Running job("compute " + kStreet + " --directions 16 --replicates 1000000 --checkpoint-seconds 0 --checkpoint " +
                   file("a.h5") + " -o " + file("a.csv"),

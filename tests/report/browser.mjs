@@ -1,4 +1,5 @@
-// These functions open pages in Debian's Chromium, without a display and with software GL. A page that prints or requests anything fails its test.
+// These functions open pages in Debian's Chromium, without a display and with software GL. A page that prints or
+// requests anything fails its test.
 import assert from 'node:assert/strict';
 import { execFileSync, spawnSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';

@@ -50,8 +50,8 @@ test('a large page loads its rows on demand, and has the numbers that were writt
 
   const width = () => page.tab.evaluate(() => document.getElementById('scene').width);
   const still = await width();
-  // Turns the scene while other work takes 60 ms of each frame: it is drawn coarser, and sharp once it is still. The width
-  // is read during the turns, for afterwards the scene may be still, and sharp, at any time.
+  // The scene turns while other work takes 60 ms of each frame. So it is drawn coarser, and sharp once it is still. The
+  // width is read during the turns, for afterwards the scene may be still, and sharp, at any time.
   const coarsest = await page.tab.evaluate(async () => {
     let least = Infinity;
     for (let turn = 0; turn < 30; ++turn) {

@@ -1,4 +1,5 @@
-// These tests check the page of a result in Debian's Chromium: clicks, colours, numbers, keys, damaged pages. The browser must print nothing.
+// These tests check the page of a result in Debian's Chromium: clicks, colours, numbers, keys, damaged pages. The
+// browser must print nothing.
 import assert from 'node:assert/strict';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { join } from 'node:path';

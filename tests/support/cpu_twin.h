@@ -21,7 +21,7 @@ PairCounts countPairsOnCpu(const Scene& scene, const Ids& ids, const std::vector
 PairCounts countIntervalsOnCpu(const Scene& scene, const Ids& ids, const std::vector<Direction>& directions,
                                int resolution, bool blocked = false);
 
-// Returns the counts without blocked pairs, as of an engine that does not count these.
+// Returns the counts that an engine has that does not count blocked pairs.
 inline PairCounts withoutBlocked(PairCounts counts) {
   for (PairCount& c : counts) c.blocked = 0;
   std::erase_if(counts, [](const PairCount& c) { return c.count == 0; });

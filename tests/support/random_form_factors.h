@@ -7,7 +7,8 @@
 
 namespace viewpeel {
 
-// In: density: share of the pairs that are not 0. Rows sum to at most 1, environment and leak included.
+// Returns random form factors. Rows sum to at most 1, environment and leak included.
+//   In: density: share of the pairs that are not 0; with_self: whether rows may see themselves
 inline FormFactors randomFormFactors(const Ids& ids, uint32_t seed, double density = 1, bool with_self = true) {
   std::mt19937 engine(seed);
   std::uniform_real_distribution<double> uniform(0.05, 1);

@@ -1,4 +1,4 @@
-// ThreadRanks are the ranks of one process, each on a thread. They do what an MPI job does, without MPI.
+// ThreadRanks are the ranks of one process, each on a thread. They exchange messages as an MPI job does, without MPI.
 #pragma once
 #include <deque>
 #include <functional>

@@ -56,8 +56,8 @@ TEST(CalibrateRows, GuessesThatErrTogetherAreMended) {
     const Matrix before = matrix;
     ASSERT_GT(largestMiss(before), 0.15);
     calibrateRows(matrix.entries, matrix.guesses, matrix.areas);
-    // The tolerance is 1 % of the sum of the guesses' errors, which is below 1, and the share that measured entries
-    // take.
+    // A row's sum comes within 1 % of the sum of its guesses' errors, which is below 1. The share 1 - f_i of (41),
+    // which measured entries take, is small beside it.
     EXPECT_LT(largestMiss(matrix), 0.012) << "seed " << seed;
     size_t guess = 0;
     double off_before = 0, off = 0;

@@ -60,6 +60,7 @@ TEST(Discs, FarAndSmallToRelativeError) {
   EXPECT_TRUE(isWithin(coaxialDiscs(1, 1e-9, 1) * 2e18, 1, 32 * 0x1p-52));
 }
 
+// At a small distance h discs of radius 1 miss the share h of each other's radiation, which leaves at the rim.
 TEST(Discs, CloseDiscsSeeEachOtherWhole) { EXPECT_TRUE(isWithin(coaxialDiscs(1, 1, 1e-9), 1, 1.1e-9)); }
 
 TEST(Discs, RefusesWhatIsNotPositive) {

@@ -88,8 +88,8 @@ TEST(Environment, AddsUpToThatOfAllFormFactors) {
     squares += std::pow((parts.all[i].value - truth.value) / error, 2);
     EXPECT_TRUE(isWithin(parts.all[i].value, parts.up[i].value + parts.down[i].value, 1e-14));
   }
-  // Errors of rows follow t of 7 degrees of freedom at worst, with a variance of 1.4. Rows have directions in common,
-  // so twice as much is allowed.
+  // Errors of rows follow Student's t of 7 degrees of freedom at worst, with a variance of 7/5. Rows have directions in
+  // common, so that the mean over rows spreads: twice as much is allowed, and the seeds are fixed.
   EXPECT_LE(squares / parts.ids.count(), 2.8);
 }
 
@@ -124,7 +124,7 @@ TEST(Environment, TimeLimitEndsARunWithinARound) {
   EXPECT_EQ(least.up_share_errors.size(), 4u);
 }
 
-// The two parts add up to the run's form factors to the bit, and have the measured shares.
+// The two parts add up to the run's form factors but for one rounding, and have the measured shares.
 TEST(Environment, SplitsThatOfFormFactors) {
   const Scene scene = buildScene(boxAndPlate());
   const Result all = computeFormFactors(scene, {.goal = Tolerance{1e-2}});

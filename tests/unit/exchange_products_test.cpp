@@ -1,4 +1,5 @@
-// Compares products that are made while directions are peeled with those of counts in a matrix.
+// ExchangeProducts multiply by exchange areas while directions are peeled (docs/solve.md, eq. (14)). These tests
+// compare the products with products of the same counts in a matrix.
 #include <algorithm>
 #include <cmath>
 
@@ -132,13 +133,13 @@ TEST(ExchangeProducts, SharesWeightTheCounts) {
 TEST(ExchangeProducts, HaveTheSameBitsOnAnyNumberOfThreads) {
   const Case of;
   std::vector<double> factors = of.factors;
-  for (double& factor : factors) factor = std::sin(factor);  // these are rounded
+  for (double& factor : factors) factor = std::sin(factor);  // no whole numbers, so that products are rounded
   ExchangeProducts alone(of.scene, of.ids, optionsOf(Sampling::lattice, 1));
   ExchangeProducts three(of.scene, of.ids, optionsOf(Sampling::lattice, 3));
   EXPECT_EQ(alone.multiply(of.directions, factors, 2), three.multiply(of.directions, factors, 2));
 }
 
-// Columns are scaled each for itself: one with tiny factors keeps its digits beside one with large ones.
+// Each column has a scale of its own: a column of tiny factors keeps its digits beside a column of large ones.
 TEST(ExchangeProducts, ColumnsKeepTheirDigits) {
   const Case of;
   std::vector<double> scaled = of.factors;

@@ -175,13 +175,14 @@ TEST_F(MixedRoom, RowsAddUpByChance) {
     for (const uint32_t id : {entry.i, entry.j}) mean_of_lines += entry.exchange_area.value / ids_->areas[id] / count;
   EXPECT_LE(beyond, 0.005 * count);
   EXPECT_GT(worst, 1e-4);
-  EXPECT_NEAR(mean, 0, 0.01);  // what is cut off counted pairs: docs/method.md, mixtures
+  EXPECT_NEAR(mean, 0,
+              0.01);  // counted pairs are cut off, which takes less than 0.6 % of them: docs/method.md, mixtures
   EXPECT_LT(mean_of_lines, 0.9);
 }
 
-// The room is closed, and a line grazes an edge in each replicate. The row's environment is what was counted, and
-// within the goal of 0. As 1 less the row sum it would have the error of all counted pairs, and no number of directions
-// would bring this error to the goal.
+// The room is closed, and a line grazes an edge in each replicate. The row's environment is its count, and within the
+// goal of 0. As 1 less the row sum it would have the error of all counted pairs, and no number of directions would
+// bring this error to the goal.
 TEST_F(MixedRoom, EndsWhereLinesGraze) {
   const FormFactors found = mixed_->sums.formFactors();
   const auto& rows = found.rowSums();

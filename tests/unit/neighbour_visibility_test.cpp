@@ -57,7 +57,8 @@ TEST(RankByPlace, BlocksOfRanksLieTogether) {
 }
 
 // The values of blocks of 4, 16 and 64 ids follow by hand from (19) in docs/method.md. The n lines of one pair count as
-// 1.5 n / (n + 0.5), and m = (V + m') / (L + 1) with m' of the next larger blocks.
+// 1.5 n / (n + 0.5), and m = (V + m') / (L + 1) with m' of the next larger blocks. Values are stored in single
+// precision, so that 1e-6 is allowed.
 TEST(NeighbourVisibility, LinesOfBlocksGoWithLargerBlocks) {
   const Ids ids = namelessIds(64);
   VisibilitySums sums(ids);

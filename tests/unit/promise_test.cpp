@@ -1,5 +1,5 @@
-// A tolerance is promised where this costs little more than an estimate. These tests check when there is a promise,
-// that it holds, and what the run reports about it.
+// A tolerance is promised where a promise costs little more than an estimate. These tests check when there is a
+// promise, that it holds, and what the run reports about it.
 #include <algorithm>
 #include <cmath>
 
@@ -179,7 +179,7 @@ TEST(Promise, IsNotMadeBelowRounding) {
   const PlanSummary& plan = run.makePlan();
   EXPECT_FALSE(plan.line_guarantee);
   EXPECT_NE(plan.no_promise.find("rounding"), std::string::npos) << plan.no_promise;
-  // What nothing blocks is exact.
+  // Pairs that nothing blocks are exact, so that even this tolerance is promised.
   const Result exact = computeFormFactors(buildScene(ts::insideOfCube()), toleranceOf(1e-9));
   ASSERT_TRUE(exact.guarantee);
   EXPECT_LE(exact.guarantee->bound, 1e-12);

@@ -107,7 +107,7 @@ TEST(Ranks, OfUnevenThreadsGiveTheSameBits) {
     expectSameBits(computeFormFactors(scene, of.request), computeOnRanks(4, scene, of.request, 0), of.name);
 }
 
-// Another seed has other bits: the comparison would notice.
+// Negative control: a run with another seed has other bits.
 TEST(Ranks, AnotherSeedHasOtherBits) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   Request request = onHost(FixedAmount{.directions = 30, .replicates = 3});
@@ -173,8 +173,8 @@ TEST(Ranks, ErrorsReachRank0) {
       });
 }
 
-// A run that is stopped keeps complete replicates, which are those of a run alone. The next run on these ranks is as if
-// nothing had been.
+// A run that is stopped keeps complete replicates, with the bits of a run alone. The next run on the same ranks is not
+// affected by the stop.
 TEST(Ranks, StopTogetherAndGoOn) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   const Request request = onHost(FixedAmount{.directions = 50, .replicates = 100'000});
@@ -245,7 +245,7 @@ TEST(Ranks, MessagesAreAsLargeAsTheDocumentsSay) {
   const auto [messages, bytes] = measure(kReplicates);
   const auto [more_messages, more_bytes] = measure(kReplicates + 1);
   EXPECT_EQ(more_messages - messages, 2 * (kSize - 1));
-  // What a rank's ten directions of the last replicate meet, an engine of its own counts.
+  // Another engine counts the pairs that a rank's ten directions of the last replicate meet.
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::unique_ptr<Engine> engine = makeHostEngine(scene, ids, {.sampling = Sampling::scanline});
   const std::vector<Direction> all = sampleDirections(Sampler::fibonacci, kDirections, request.seed, kReplicates);
@@ -285,7 +285,8 @@ TEST(Messages, CutOffAreRefused) {
   }
 }
 
-// Every task has one rank, in order, and costs are shared by threads to within a task.
+// Crew::cut() gives every task to one rank, in order. A rank's share of the costs is that of its threads, to within one
+// task.
 TEST(Crew, CutsByCostAndThreads) {
   const std::vector<double> costs{1, 1, 10, 1, 1, 1, 1, 2, 2, 10, 1, 1};
   test::withRanks(

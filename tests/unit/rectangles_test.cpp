@@ -31,6 +31,7 @@ Interval randomInterval(test::Random& random, double low, double high) {
 // The contour integral takes corners that are rounded sums: 4 corners are off by 2^-52 of coordinates of at most 4.
 constexpr double kBound = kContourError + 64 * 0x1p-52;
 
+// The values are C-11 and C-14 of Howell's catalogue.
 TEST(Rectangles, PublishedValues) {
   EXPECT_TRUE(isWithin(parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1), 0.1998248957, kTenDigits));
   EXPECT_TRUE(isWithin(perpendicularRectangles(kUnit, kUnit, kUnit, kUnit), 0.2000437761, kTenDigits));

@@ -70,7 +70,7 @@ TEST(HemicubeWeights, AddUpToOneAndMatchTheirPixels) {
     EXPECT_NEAR(sum, 1, 1e-10) << resolution;  // 3 x 256^2 pixels, each of 4 integrals good to 1e-16
   }
   // Cohen & Greenberg take the weight at the middle of a pixel. The next term of the midpoint rule is the second
-  // derivative times p^2 / 12, at most 4 p^2 / 12 of the weight.
+  // derivative times p^2 / 12, at most 4 p^2 / 12 of the weight. Three times this term is allowed.
   constexpr uint32_t kResolution = 64;
   const std::vector<double> weights = hemicubeWeights(kResolution);
   const double p = 2.0 / kResolution, area = p * p;

@@ -33,8 +33,8 @@ TEST(StrataBounds, DeviationsHoldExactBinomialTails) {
       }
 }
 
-// Where lines are many Bennett's bound is the normal law's exp(-t^2 / 2 v) but for a factor 1 / (z sqrt(2 pi)): of the
-// tail beyond nine tenths of it, more is left than it allows.
+// For many lines of variance v the probability beyond a deviation t is that of the normal law. With z = t / sqrt(v) it
+// is exp(-z^2 / 2) / (z sqrt(2 pi)), and Bennett's bound is exp(-z^2 / 2). Beyond nine tenths of t lies more than e^-l.
 TEST(StrataBounds, ADeviationThatIsATenthTooSmallFails) {
   const int n = 2'000'000;
   const double s = 0.5, l = 18, t = bennettDeviation(n * s * (1 - s), 1, l), z = 0.9 * t / std::sqrt(n * s * (1 - s));
@@ -76,8 +76,8 @@ double failureOfCoins(int n, double l, double share) {
 }
 
 // Cells of coins have an exact law, so that this tail is not drawn but added up. A bound a tenth too small fails more
-// often than 2 e^-l, at an l of guarantees. Runs could not show it: at an l that fails in a few of 1,000 runs, bounds
-// on tails are too wide by more than a tenth, as the factor 1 / (z sqrt(2 pi)) of the normal law alone makes them.
+// often than 2 e^-l, at an l of guarantees. Runs could not show it. At an l that fails in a few of 1,000 runs, the
+// factor 1 / (z sqrt(2 pi)) of the normal law alone makes bounds too wide by more than a tenth.
 TEST(StrataBounds, OfCoinsATenthTooSmallFail) {
   constexpr int kCells = 400'000;
   constexpr double kL = 25;

@@ -1,5 +1,5 @@
-// Lines in strata: their mean is the visibility's, their squares have the variance as their mean, and bounds that they
-// give hold as often as they say.
+// These tests check lines in strata (docs/method.md, section 14). The mean of the estimate is the visibility, the
+// squares of differences within cells have the variance as their mean, and bounds hold as often as stated.
 #include <cmath>
 
 #include <boost/math/distributions/binomial.hpp>
@@ -48,7 +48,9 @@ double visibilityOf(const Case& of) {
          reference::formFactorPastBlocker(kFloor, of.second, rt::moved(of.blocker, 1, {90, 0, 0})).value;
 }
 
-// A correct value fails at 5.5 standard errors once in 2.6e7. Integrals past blockers are good to 1e-6.
+// A normal value exceeds 5.5 standard errors once in 2.6e7 cases, and `error` is an upper bound of the standard error.
+// Integrals past blockers are good to 1e-6, and so are unoccluded form factors: 5e-6 of a visibility is allowed for
+// both.
 TEST(StrataLines, TheirMeanIsTheVisibility) {
   for (const Case& of : kCases) {
     const Pair pair({kFloor, of.second, of.blocker});

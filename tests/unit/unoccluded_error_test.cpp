@@ -1,5 +1,5 @@
-// What is known exactly is stated so: unoccluded exchange areas are within the error that HostUnoccluded states, which
-// for rectangles is that of double arithmetic.
+// Unoccluded exchange areas are within the error that HostUnoccluded states. For rectangles this error is that of
+// double arithmetic.
 #include "unoccluded/host_unoccluded.h"
 
 #include <random>
@@ -87,7 +87,8 @@ TEST(UnoccludedError, OfRectanglesIsThatOfDoubleArithmetic) {
   EXPECT_GE(near, 20u);
 }
 
-// Turned corners are rounded: edges are parallel but for that, and what was stated still holds.
+// The corners of turned rectangles are rounded, so that edges are parallel but for rounding. The stated error still
+// holds.
 TEST(UnoccludedError, HoldsForTurnedRectangles) {
   std::mt19937_64 random(9);
   std::normal_distribution<double> normal;
@@ -105,7 +106,7 @@ TEST(UnoccludedError, HoldsForTurnedRectangles) {
   }
 }
 
-// The rules of the kernels have the same areas within the errors of both.
+// HostUnoccluded and the quadrature rules of the kernels find the same areas, within the errors of both.
 TEST(UnoccludedError, RulesAgreeWithClosedForms) {
   for (const InputScene& input : {ts::roomWithTouchingBoxes(), ts::cubeInCube(0.5), ts::triangleSoup(60, 0.6, 6)}) {
     const Scene scene = buildScene(input);
@@ -120,7 +121,7 @@ TEST(UnoccludedError, RulesAgreeWithClosedForms) {
   }
 }
 
-// A cube: every form factor is exact, errors and intervals say so, by polygon and summed by surface.
+// Every form factor of a cube is exact. Standard errors and intervals say so, by polygon and summed by surface.
 TEST(UnoccludedError, ACubeIsExactAndSaysSo) {
   const double facing = reference::parallelRectangles({0, 1}, {0, 1}, {0, 1}, {0, 1}, 1), beside = (1 - facing) / 4;
   InputScene quarters{"quarters", {}, {}};
