@@ -12,9 +12,9 @@ namespace viewpeel {
 // Keeps freed memory in the process and reserves huge pages.
 //
 // Lists as large as the matrix come and go with every replicate, and the kernel clears each page that a process gets.
-// With 9,984 polygons a quarter of the time went there. The peak grows by an eighth. Half of the machine's memory is
-// reserved, marked for huge pages and freed again, before any page is touched. Where the reservation fails, or under a
-// sanitizer, pages stay small. A program calls this once, before it allocates much.
+// With 9,984 polygons a quarter of the time went into clearing. The peak of memory grows by an eighth. Half of the
+// machine's memory is reserved, marked for huge pages and freed again, before any page is touched. Where the
+// reservation fails, or under a sanitizer, pages stay small. A program calls this once, before it allocates much.
 inline void keepFreedMemory() {
   ::mallopt(M_MMAP_MAX, 0);
   ::mallopt(M_TRIM_THRESHOLD, -1);  // never return memory to the system

@@ -4,7 +4,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { build } from 'esbuild';
 
-const GAP = '<!--contents-->'; // host/report/page_text.h
+const GAP = '<!--contents-->'; // where the program puts the contents; kPageGap in host/report/page_text.h
 
 async function bundle(entry, options) {
   const result = await build({ entryPoints: [entry], bundle: true, minify: true, write: false, legalComments: 'none', target: 'es2022', ...options });

@@ -17,8 +17,8 @@ namespace {
 
 bool isReadable(const std::string& file) { return ::access(file.c_str(), R_OK) == 0; }
 
-constexpr int kRunPerWrite =
-    20;  // times as long as writing took, at least, passes to the next: writing takes no more than 5 %
+// The pause after a write is at least 20 times as long as the write took, so that writing takes at most 5 % of a run.
+constexpr int kRunPerWrite = 20;
 
 }  // namespace
 

@@ -21,7 +21,7 @@ const std::string& commandName();
 
 // A GivenOption is an option of the subcommand with its values: those on the command line, or else the default.
 struct GivenOption {
-  std::string name;  // of an option without dashes, or of an argument
+  std::string name;  // "tolerance" for --tolerance; for a positional argument its name
   std::vector<std::string> values;
   bool is_flag = false, is_text = false;  // is_text: a name or file, even if it looks like a number
 };

@@ -63,10 +63,11 @@ int reportMissedGoal(const Result& result) {
   return kGoalMissed;
 }
 
-// A Delivery is the part of a result that files and --json get: without form factors below --drop-below, with guesses.
+// A Delivery is what files and --json get beside the result itself: the form factors that --drop-below keeps, sky and
+// ground, and which pairs (i, j) are guesses because no line met them (eq. (20) of docs/method.md).
 struct Delivery {
   std::optional<DroppedBelow> below;
-  std::optional<EnvironmentParts> parts;  // with --up, at the end of a run
+  std::optional<EnvironmentParts> parts;  // sky and ground, for --up; measured only at the end of a run
   std::vector<std::pair<uint32_t, uint32_t>> guesses;
 
   Delivery(const ComputeOptions& options, const Result& result, const FormFactorRun& run)

@@ -18,13 +18,13 @@ struct ComputeOptions {
   std::string scene, groups;
   Request request;
   OutputOptions output;
-  std::vector<std::string> older_files;  // NAME.closed.mtx files, for --closure
+  std::vector<std::string> older_files;  // NAME.closed.mtx, which --closure writes beside NAME.mtx
   std::vector<PlannedFile> files;        // all files to be written, and whether each exists before the run
   CheckpointOptions checkpoint;
   bool quiet = false, verbose = false, json = false;
-  bool older_names = false;  // whether balanced form factors also get their older names
+  bool older_names = false;  // whether --closure, the older name of --balance, is given
   bool only_environment = false;
-  std::optional<glm::dvec3> up;  // the direction above the horizon, where sky and ground are to be apart
+  std::optional<glm::dvec3> up;  // --up, towards the sky; empty: the environment is not split into sky and ground
 
   bool talks() const { return !quiet && !json && !output.to_stdout; }
   bool keepsCheckpoint() const { return !checkpoint.file.empty(); }
@@ -32,8 +32,8 @@ struct ComputeOptions {
 };
 
 // Adds all options of `compute`.
-//   Out: a function that settles the options after parsing    Throws (the function): Error bad_usage for options that
-//      contradict each other.
+//   Out: a function to call after parsing, which derives the request and the files and returns all options
+//   Throws (the returned function): Error bad_usage for options that contradict each other.
 std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* command);
 
 // Refuses outputs and checkpoints that cannot be written.    Throws: Error bad_usage.

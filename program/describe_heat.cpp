@@ -11,7 +11,7 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostRows = 30;
-constexpr double kRounding = 1e-8;
+constexpr double kRounding = 1e-8;  // relative; smaller standard errors are rounding and are not printed
 
 // Returns a value to the second digit of its standard error: "351.02 +- 1.4e-01".
 std::string inDigits(const Measured& value) {

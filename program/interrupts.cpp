@@ -19,7 +19,7 @@ constexpr std::chrono::milliseconds kGrace(1500);  // a run ends within two seco
 
 std::atomic<int> received = 0, looks = 0;              // looks: number of SIGUSR1 not yet handled, 0 or 1
 static_assert(std::atomic<int>::is_always_lock_free);  // a signal handler may use it
-sem_t word;
+sem_t word;                                            // wakes the other thread; the signal handler posts it
 
 struct Watch {
   std::function<int()> first_end, end;

@@ -12,20 +12,23 @@ void holdInterrupts(std::function<int()> end);
 
 // Returns the signal that was received; 0 where none was. Any thread may call it, often.
 int interruption();
-// Returns that signal's name: "SIGINT".
+// Returns the name of the received signal, such as "SIGINT".
 const char* interruptionName();
 
 // Returns true once after each SIGUSR1, which asks for the results so far without an end of the run.
 bool wantsResults();
 
-// Replaces the function that the other thread calls: results exist now. It is called only between letOthersEnd(true)
-// and letOthersEnd(false). The caller must not change the data that `end` reads in between.
+// Replaces the function that the other thread calls after a signal, for from now on there are results to write. The
+// other thread calls `end` only between letOthersEnd(true) and letOthersEnd(false). Between these two calls the caller
+// must not change what `end` reads.
 void offerResults(std::function<int()> end);
 
-// Tells the other thread that an engine begins to count, so that it need not wait for the run; or that it has ended.
+// Says that an engine begins to count, so that the other thread may end the program meanwhile; with false, that the
+// engine has stopped and the program must not be ended until the next call.
 void letOthersEnd(bool begins);
 
-// The caller ends the run itself after this call. It does not return where the other thread has begun to end it.
+// Announces that the caller is about to end the program itself, so that the other thread does not. This function does
+// not return where the other thread has already begun to end the program.
 void endByItself();
 
 }  // namespace viewpeel::program

@@ -21,9 +21,10 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostRows = 20;
-// A run with a time limit alone goes on until time is up: no error is small enough.
+// This tolerance stands for none: a run with only a time limit must go on until time is up.
 constexpr double kNoTolerance = 1e-300;
-// Form factors that are known exactly would ask for directions without end.
+// Sky and ground are split to the standard error that the form factors reached, but not below this one. Where form
+// factors are exact, their standard error of 0 would otherwise ask for directions without end.
 constexpr double kLeastTolerance = 1e-4;
 
 std::string describeRows(const EnvironmentParts& parts, bool has_up) {

@@ -17,8 +17,8 @@
 
 namespace viewpeel::program {
 
-// Checks that a text is a number in a range, as CLI11's checks do: returns the fault, or an empty text. CLI11's check
-// accepts nan, and takes -1 for 2^64 - 1.
+// Checks that a text is a number in a range. Like CLI11's checks it returns the fault, or an empty text. CLI11's own
+// check of ranges is not used, because it accepts nan and takes -1 for 2^64 - 1.
 inline std::string isNumber(const std::string& text, double least, double most) {
   double value = 0;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value >= least && value <= most

@@ -12,7 +12,7 @@
 namespace viewpeel::program {
 
 // Returns the progress towards the goal, from 0 to 1; nothing where it cannot be predicted.
-//   In: elapsed_s: since the run began. Method: errors fall with the root of the number of replicates.
+//   In: elapsed_s: since the run began    Method: R replicates are taken to have errors in proportion to R^-1/2.
 std::optional<double> measureFraction(const Request& request, const Progress& progress, double elapsed_s);
 
 // Returns a line of up to 79 characters: phase, percent, remaining time, and the count.
@@ -36,7 +36,7 @@ class ProgressLine {
   bool shows_, is_terminal_;
   double seconds_apart_;
   Clock::time_point start_ = Clock::now(), shown_ = start_, counting_ = start_;
-  std::optional<Progress::Phase> phase_;  // of the last call
+  std::optional<Progress::Phase> phase_;  // phase at the last call of show()
 };
 
 }  // namespace viewpeel::program

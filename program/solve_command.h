@@ -11,7 +11,9 @@
 
 namespace viewpeel::program {
 
-// Where form factors are not kept, products with them are made while directions are peeled.
+// MatrixFree says whether solve goes without a matrix in memory. It then computes products of exchange areas with
+// radiosities while it peels directions (docs/solve.md, eq. (14)). `automatic` does so where the matrix would not fit
+// in memory and no other option needs it.
 enum class MatrixFree { automatic, on, off };
 
 struct SolveCommand {
@@ -31,7 +33,7 @@ struct SolveCommand {
   bool talks() const { return !quiet && !json; }
 };
 
-// Describes the materials, a line.
+// Describes the materials in one line.
 std::string describeMaterials(const MaterialTable& table, const HeatSolution& solution);
 // Describes a tolerance beside the error that was reached.
 std::string describeTolerance(const HeatTolerance& tolerance, double reached);
@@ -41,7 +43,7 @@ void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution)
 // Refuses --matrix-free on, or directional emissivities, beside an option or a material that takes form factors.
 //   Throws: Error bad_usage.
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table);
-// Returns whether the answers are to be found without a matrix.    In: after checkMatrixFree
+// Returns whether the answers are to be found without a matrix. checkMatrixFree() has to come first.
 bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const Scene& scene);
 // Solves without a matrix, and prints and writes the answers. Returns the exit status.
 int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, const Scene& scene);

@@ -1,4 +1,4 @@
-// A StoredRun is a run read from checkpoints, with its scene where that is needed.
+// A StoredRun is a run read from checkpoints, with its scene if the user names the scene's file.
 #pragma once
 #include <memory>
 #include <string>

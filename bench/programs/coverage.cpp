@@ -44,7 +44,7 @@ namespace {
 constexpr double kConfidence = 0.95, kNormalQuantile = 1.959964;
 constexpr uint64_t kPilotSeed = 1'000'000'000;
 constexpr uint32_t kPilots = 20, kPilotReplicates = 16;
-constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // expected counts of a replicate
+constexpr std::array<double, 5> kCountEnds{0.3, 1, 3, 10, INFINITY};  // upper ends of the classes by expected counts
 // A pair is blocked in part if more than this share of its unoccluded form factor is visible, and more than this share
 // is blocked.
 constexpr double kBlockedInPart = 1e-3;

@@ -17,7 +17,8 @@
 // the calling thread does not compute. `passes` are shares of the time on the device, measured over other directions.
 // The reference is a run by directions without pair lines, or by --reference-method. Embree's rays are no reference
 // below 3e-3: rays start a little off the edge that two triangles share, so that kerbs in city1000 are off by 2.3e-3
-// for any number of rays. A reference in --cache that was made on a busy machine is poor and should be deleted.
+// for any number of rays. A reference is limited by time, so one in --cache that was made on a busy machine is poor and
+// should be deleted.
 // bench/plot makes tables of times to errors.
 #include <algorithm>
 #include <fstream>
@@ -40,7 +41,7 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kMostRepeats = 8;
-constexpr double kHopeless = 20;  // times --seconds; a method whose shortest run takes longer gets no finer lattices
+constexpr double kHopeless = 20;  // a method whose shortest run takes this times --seconds gets no finer lattices
 
 struct Options {
   std::vector<std::string> scenes{"plates", "cube", "office"}, methods;

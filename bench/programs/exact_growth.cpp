@@ -1,6 +1,6 @@
 // This bench measures how the time of exact areas grows with polygons and cuts, on one core, for random directions. It
 // prints CSV on stdout.
-//   viewpeel_exact_growth [SCENE]...     built-in offices and triangle soups without arguments
+//   exact_growth [SCENE]...     built-in offices and triangle soups without arguments
 // Up to 1,000 polygons exact sums are affordable, and verify every direction before it is timed.
 #include <algorithm>
 #include <cmath>

@@ -25,13 +25,13 @@ namespace viewpeel::bench {
 namespace {
 
 constexpr uint64_t kReferenceSeed = 1'000'000;
-constexpr size_t kMostFaces = 8'000, kRows = 48;  // of scenes whose truth has all rows; of others
+constexpr size_t kMostFaces = 8'000, kRows = 48;  // scenes of more faces have a truth of kRows rows, others of all
 
 struct Options {
   std::vector<std::string> scenes{"office", "room", "street", "city1000", "two_sided", "touching"};
   std::vector<double> tolerances{1e-2};
   uint32_t seeds = 100;
-  double finer = 20;  // the reference's tolerance
+  double finer = 20;  // the tolerance over the truth's tolerance
 };
 
 Scene makeScene(const std::string& name) {
@@ -67,8 +67,8 @@ std::vector<std::string> rowsOf(const Scene& scene) {
 }
 
 struct Comparison {
-  double largest = 0;  // error of a form factor, from the smaller id
-  uint64_t entries = 0, beyond = 0;
+  double largest = 0;                // largest error of a form factor, from the row with the smaller area
+  uint64_t entries = 0, beyond = 0;  // entries with a standard error; and the entries off by more than 5 of both errors
 };
 
 // Compares the entries of all rows that the truth has.
@@ -84,7 +84,7 @@ Comparison compare(const FormFactors& found, const FormFactors& truth) {
     const auto& [here, there] = measured;
     const double difference = std::abs(here.value - there.value);
     all.largest = std::max(all.largest, difference / ids.smallerArea(pair.first, pair.second));
-    if (!(here.standard_error > 0)) continue;  // left out, with the bound of such pairs
+    if (!(here.standard_error > 0)) continue;  // exact, or missing in the run that is judged
     ++all.entries;
     all.beyond += difference > 5 * std::hypot(here.standard_error, there.standard_error);
   }

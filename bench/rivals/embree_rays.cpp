@@ -9,8 +9,8 @@
 namespace viewpeel::bench {
 namespace {
 
-// A ray starts and ends at this distance from its polygons, unit-ball units. It exceeds rounding to 32 bits, and is
-// short beside the distance of small polygons.
+// A ray starts and ends at a distance from its polygons of 0.01 of their size, between these two, in unit-ball units.
+// The distance exceeds rounding to 32 bits, and is short beside the distance of small polygons.
 constexpr float kMostAway = 1e-5f, kLeastAway = 2e-7f, kAwayPerSize = 0.01f;
 constexpr uint64_t kRaysAtOnce = 1u << 14;
 constexpr uint32_t kAngles = 4096;

@@ -20,8 +20,8 @@ struct RayCounts {
 };
 
 // RayEstimate has exchange areas, unit-ball units squared. Each combines the rays of both polygons with the weights of
-// least variance. With N rays from each polygon the variance of A_i F_ij from i is A_i C / N for small F. So i and j
-// have weights in the ratio of 1 / A_i and 1 / A_j:
+// least variance. With N rays from each polygon, C = A_i F_ij is estimated by A_i hits_ij / N, with the variance
+// A_i C / N for small F. So i and j have weights in the ratio of 1 / A_i and 1 / A_j:
 //   A_i F_ij = (hits_ij + hits_ji) / (N / A_i + N / A_j).
 // The variance is C / (N / A_i + N / A_j). That of the plain mean, (A_i + A_j) C / 4 N, is never smaller.
 //   Out: for independent rays also the rms standard error over all ordered pairs, where the variance of a pair is that
@@ -52,7 +52,7 @@ class EmbreeRays {
   struct Emitter {
     glm::vec3 origin, a, b,
         c;            // sides from the origin; triangles are (origin, a, b) and, with four corners, (origin, b, c)
-    float share = 1;  // share of the first triangle in the area
+    float share = 1;  // area of the first triangle over the polygon's area
     bool parallelogram = false;
     glm::vec3 x, y, normal;  // orthonormal
     float away = 0;          // distance at which rays from and to it start and end, unit-ball units

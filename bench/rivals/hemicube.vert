@@ -1,6 +1,6 @@
 #version 460
-// One instance is one polygon, a strip of four vertices, seen from the eye in one face of a hemicube. Its depth is near
-// / distance, which is 0 at infinity.
+// One instance is one polygon, a strip of four vertices, seen from the eye in one face of a hemicube. Its depth is
+// kNear over the distance along the view axis, which is 0 at infinity.
 #extension GL_GOOGLE_include_directive : require
 #define SHARED_FUNCTION
 #include "common.glsl"
@@ -8,7 +8,7 @@
 
 layout(buffer_reference, scalar, buffer_reference_align = 8) readonly buffer Corners { CornerData at[]; };
 layout(push_constant, scalar) uniform Args { HemicubeDraw args; };
-layout(location = 0) flat out uint seen;  // 1 + the polygon whose front this is; kBack
+layout(location = 0) flat out uint seen;  // 1 + the polygon's index where the eye sees its front, else kBack
 
 const float kNear = 1e-8;  // unit-ball units; depths are floats near 0, so that none is lost
 const uint kBack = 0xFFFFFFFFu;

@@ -1,11 +1,12 @@
 // The host and the hemicube's shaders share these structs, as in shaders/shared.h.
 
-// HemicubeDraw is one face of a hemicube, which its eye sees in a pyramid. A side sees only the part above the horizon.
+// HemicubeDraw is one face of a hemicube: the pyramid that the eye sees through it. A side of the hemicube has only the
+// part above the horizon, which up_scale and up_shift stretch over the whole face.
 struct HemicubeDraw {
   uint64_t polygons;  // PolygonData[polygon_count]
   uint64_t corners;   // CornerData[]
   dvec3 eye;
-  vec3 right, up, forward;
+  vec3 right, up, forward;   // unit vectors of the face; forward is its view axis
   float up_scale, up_shift;  // y of the face = up_scale y / depth - up_shift
 };
 

@@ -71,8 +71,8 @@ class Viewpeel {
     LatticeOptions lattice;
   };
 
-  // Returns a runner whose amounts are directions of a replicate.    In: unoccluded: resolution of the lattice with
-  // unoccluded form factors, 0 without these
+  // Returns a runner whose amounts are directions of a replicate.
+  //   In: unoccluded: resolution of the lattice that gives visibilities to unoccluded form factors; 0: plain counts
   Runner runner(const Engines& engines, Sampler sampler, int unoccluded) const {
     const auto make = [this, engines](const Device& device, bool measure_work) {
       LatticeOptions lattice = engines.lattice;

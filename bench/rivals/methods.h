@@ -33,7 +33,7 @@ struct Runner {
   std::function<Outcome(double amount, uint64_t seed)> run;
   double setup_seconds = 0;  // time to make the method ready, kernels compiled
   Profile profile;
-  std::string chosen;  // parameters that were chosen in this time
+  std::string chosen;  // parameters that the method chose while it was made ready
 };
 
 struct Ladder {

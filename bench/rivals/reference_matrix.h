@@ -28,13 +28,14 @@ ReferenceMatrix referenceByClosedForms(const Scene& scene);
 ReferenceMatrix referenceByLongRun(const Device& device, const Scene& scene, const std::string& name, double seconds,
                                    const std::string& directory);
 
-// Returns the mean of eight long runs of another method than the one judged, with seeds of their own. Its error is the
-// standard error of this mean. It is kept as in referenceByLongRun, by method.
-//   Throws: Error output.
+// ReferenceEffort says how long referenceByMethod() may run.
 struct ReferenceEffort {
   double seconds = 0;            // time of all eight runs
   std::optional<double> amount;  // amount of each run, in the ladder's unit; replaces `seconds`
 };
+// Returns the mean of eight long runs of another method than the one judged, with seeds of their own. Its error is the
+// standard error of this mean. It is kept as in referenceByLongRun, by method.
+//   Throws: Error output.
 ReferenceMatrix referenceByMethod(const Ladder& ladder, const Scene& scene, const std::string& name,
                                   const ReferenceEffort& effort, const std::string& directory);
 

@@ -104,7 +104,8 @@ class PointSource {
     return SplitMix{SplitMix{seed}.next() ^ stream * 0xD1342543DE82EF95ull}.next();
   }
 
-  // Each bit of the result depends on lower bits only.
+  // Scrambles a number with reversed bits. Each bit of the result depends only on lower bits, which are higher bits of
+  // the coordinate: intervals of 2^-m stay together, as in Owen's scrambling.
   static uint32_t scramble(uint32_t x, uint32_t seed) {
     x += seed;
     x ^= x * 0x6C50B47Cu;

@@ -11,7 +11,7 @@ import numpy as np
 from scipy.stats import qmc, t as student
 
 REPLICATES, LOG2_RAYS = 16, (13, 15, 17)
-FALSE_ALARM = 1e-6  # of one comparison
+FALSE_ALARM = 1e-6  # probability that a right form is found wrong in one comparison
 WRONG = 1.05  # negative control: a form times this number must be found wrong
 
 
@@ -83,7 +83,8 @@ def integral_of(case):
     """Returns (integral, how far a closed form may be from it)."""
     if is_flat_pair(case):
         integral = by_lambert(case, 6)
-        # The distance of the coarser rule is about its error, which is larger than the finer rule's. Forms round to 1e-12.
+        # The distance of the two rules is about the error of the coarser one, which exceeds that of the finer one. Closed
+        # forms round to 1e-12, and ten times that is added.
         return integral, abs(integral - by_lambert(case, 4)) + 1e-11
     for log2_rays in LOG2_RAYS:
         integral, error = by_rays(case, log2_rays)

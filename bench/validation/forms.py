@@ -1,5 +1,6 @@
-"""These are closed forms of form factors, each with its source. Numbers C-n are from J. R. Howell, A Catalog of Radiation Heat
-Transfer Configuration Factors. bench/validate --forms compares each with a numerical integral that uses none of them."""
+"""These are closed forms of form factors, each with its source. Numbers C-n are from J. R. Howell, A Catalog of
+Radiation Heat Transfer Configuration Factors. bench/validate --forms compares each with a numerical integral that uses
+none of them."""
 from math import acos, asin, atan, cos, hypot, log, pi, sin, sqrt
 
 from scipy.integrate import quad

@@ -24,7 +24,8 @@ def lists_of(file):
 
 
 def run(folder, cells, program):
-    """Returns (pair, closed form, errors of viewpeel and viewFactorsGen, its coarse faces, its CPU s) for six pairs of walls."""
+    """Returns six rows, one for each pair of walls: the pair, its closed form, the errors of viewpeel and of
+    viewFactorsGen, and viewFactorsGen's number of coarse faces and CPU seconds."""
     shutil.copytree(ROOT / "tests/files/openfoam_room", folder)
     for name, old, new in (("system/blockMeshDict", r"\(2 2 2\)", f"({cells} {cells} {cells})"), ("constant/viewFactorsDict", r"nFacesInCoarsestLevel 2", "nFacesInCoarsestLevel 100000")):
         text, count = re.subn(old, new, (folder / name).read_text())

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 from scipy.stats import t as student
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent.parent
-FALSE_ALARM = 1e-6  # of one configuration
-ROUNDING = 1e-9  # of corners written with 17 digits, and of closed forms
+FALSE_ALARM = 1e-6  # probability that one right configuration is found wrong
+ROUNDING = 1e-9  # allowed for the rounding of corners written with 17 digits, and of closed forms
 
 
 @dataclass

@@ -81,7 +81,8 @@ class Disc:
 
 
 class Sphere:
-    """A zone of a sphere about a point of the z axis, between two polar angles; out: +1 or -1, the side that radiates."""
+    """A zone of a sphere about a point of the z axis, between two polar angles. out: +1 or -1, the side that radiates:
+    the outer or the inner one."""
 
     is_flat = False
 
@@ -129,7 +130,8 @@ class Sphere:
 
 
 class Cone:
-    """The side of a cylinder, a cone or its frustum about the z axis; out: +1 or -1, the side that radiates."""
+    """The side of a cylinder, a cone or its frustum about the z axis. out: +1 or -1, the side that radiates: the outer or
+    the inner one."""
 
     is_flat = False
 

@@ -27,7 +27,8 @@ def write_scene(case, file):
         text = (ROOT / case.file).read_text()
         file.write_text(text)
         lines = [line.split() for line in text.split("\nE")[0].splitlines()]
-        return [words[9] for words in lines if words and words[0] == "S" and words[7] == "0"]  # flows of another shape are merged
+        # Field 7 of a surface is the surface into which View3D combines it; only surfaces with 0 there have a row.
+        return [words[9] for words in lines if words and words[0] == "S" and words[7] == "0"]
     names = list(case.shapes)
     with open(file, "w") as out:
         out.write(f"T {case.name}\nC encl=0 emit=0 out=0\nF 3\n")

@@ -29,7 +29,8 @@ def row_of(verdict, rival):
 
 
 def plot_family(family, verdicts, colours, light, file):
-    """Draws a panel for each configuration: errors against pieces for round shapes; error and stated error for flat ones."""
+    """Draws a panel for each configuration: for round shapes errors against the number of pieces, for flat shapes the
+    error beside the stated error."""
     columns = 5
     rows = math.ceil(len(verdicts) / columns)
     figure, all_axes = plt.subplots(rows, columns, figsize=(2.6 * columns, 2.1 * rows), squeeze=False, layout="constrained")

@@ -11,21 +11,21 @@ struct ReplicateNumbers {
 };
 
 inline constexpr ReplicateNumbers kRunReplicates{0, (uint64_t(1) << 40) - 16};
-// Numbers for trials, which compile kernels and measure times. Counts of trials are not used.
+// Trials have these numbers. They compile kernels and measure times; their counts are not used.
 inline constexpr ReplicateNumbers kTrialReplicates{kRunReplicates.end, uint64_t(1) << 40};
-// Numbers for pilots of a plan, or of a guarantee; no run has both.
+// Pilots of a plan, or of a guarantee, have these numbers; no run has both.
 inline constexpr ReplicateNumbers kPlanReplicates{uint64_t(1) << 40, uint64_t(2) << 40};
-// Numbers for the second lattice of each direction in a plan's pilots.
+// The second lattice of each direction in a plan's pilots is drawn with these numbers.
 inline constexpr ReplicateNumbers kPlanLatticeReplicates{uint64_t(2) << 40, uint64_t(3) << 40};
-// Numbers for pilots that find the prior.
+// Pilots that find the prior have these numbers.
 inline constexpr ReplicateNumbers kPriorReplicates{uint64_t(3) << 40, uint64_t(4) << 40};
-// Numbers for pilots that choose directed pairs.
+// Pilots that choose directed pairs have these numbers.
 inline constexpr ReplicateNumbers kDirectedReplicates{uint64_t(4) << 40, uint64_t(5) << 40};
-// Numbers for pilots that choose how many lines a pair gets.
+// Pilots that choose how many lines a pair gets have these numbers.
 inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6) << 40};
-// Numbers for directions that divide the environment into parts.
+// Directions that divide the environment into sky and ground have these numbers.
 inline constexpr ReplicateNumbers kEnvironmentReplicates{uint64_t(6) << 40, uint64_t(7) << 40};
-// Directions of products with vectors, which stand in for a matrix.
+// Directions of products with vectors, which stand in for a matrix, have these numbers.
 inline constexpr ReplicateNumbers kProductReplicates{uint64_t(7) << 40, uint64_t(8) << 40};
 
 // This list has all ranges in order. A test checks that none overlap.

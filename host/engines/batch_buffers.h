@@ -38,7 +38,7 @@ struct BatchBuffers {
   Buffer tile_roles, emitter_spans, tile_counts, tile_starts, active_tiles, entries, lists;
   Buffer covers, cover_polygons, meetings;
   Buffer unfinished, reached;            // unfinished tiles that a dispatch of peel resumes
-  Buffer unfinished_next, reached_next;  // tiles that it leaves unfinished itself
+  Buffer unfinished_next, reached_next;  // tiles that this dispatch leaves unfinished
   Buffer status, status_read;
 };
 

@@ -36,8 +36,8 @@ class ExchangeProducts {
   // Where polygons have shares, C is the matrix of their weighted counts, and has its diagonal.
   //   In: directions; factors: double[rows][columns]; outside: where given, Outside[rows], to which counts are added
   //   Out: double[rows][columns], in counts; count x unitArea() is an area in the plane of projection
-  //   Error: factors are rounded to 2^-52 of the largest of their column; sums are exact, so that the same bits come
-  //     out on any number of threads. With shares, C is symmetric but for rounding. Tests:
+  //   Error: factors are rounded to 2^-52 of the largest of their column. Sums are exact, so that any number of threads
+  //     gives the same bits. With shares, C is symmetric but for rounding. Tests:
   //     tests/unit/exchange_products_test.cpp.
   //   Throws: what stop and on_batch throw.
   //   Cost: a sweep for each direction; memory of 32 bytes x rows x columns for each thread.

@@ -35,7 +35,7 @@ constexpr uint32_t kGroupSize = 64;  // local_size_x of the compute passes
 constexpr uint64_t kBatchPixels = 1u << 20;
 constexpr uint64_t kBatchPixelsOfAllLayers = 1u << 17;  // pixels of a batch, where all layers are kept
 constexpr uint32_t kMostLayers = 1u << 15;    // layers that are kept at most; software devices end loops at 2^16 turns
-constexpr uint64_t kLayersRecorded = 4;       // a submission; an unused layer still clears and copies an image
+constexpr uint64_t kLayersRecorded = 4;       // layers of a submission; an unused one still clears and copies an image
 constexpr uint64_t kBatchBytes = 256u << 20;  // memory for projected polygons
 
 class GraphicsEngine : public Engine {

@@ -25,9 +25,9 @@ std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const
 //     scenes of more polygons
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior);
 
-// Chooses lattices for rows alone, not for pairs: a square polygon of the median area has this many spacings to its
-// side.
-//   In: finest: the largest resolution wanted    Out: 64 to finest    Cost: O(polygons).
+// Chooses the resolution of a lattice from which only sums of rows are wanted, not pairs.
+//   In: spacings_per_side: spacings along the side of a square of the polygons' median area; finest: the largest
+//     resolution wanted    Out: 64 to finest    Cost: O(polygons).
 int chooseResolution(const Scene& scene, double spacings_per_side, int finest);
 
 }  // namespace viewpeel

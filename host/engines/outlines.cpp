@@ -191,7 +191,8 @@ void Outlines::findEdges() {
             const int32_t row_from = shiftUpward(y[e], bits);
             first = ((size == 0) & (b > 0)) ? std::max(first, row_from) : first;
             last = ((size == 0) & (b < 0)) ? std::min(last, row_from - 1) : last;
-            // The point X lies beyond an edge on the polygon's right, with a < 0, where |a| X - v - 1 >= 0.
+            // A column X is beyond an edge on the polygon's right, where a < 0, if a X + b y 2^column_bits + c < 0. All
+            // numbers are whole, so the sum is at most -1 there. Hence cut() adds 1: |a| X >= row_0 + per_row y.
             row_0[e * kBlock + k] = a > 0 ? c : c + 1.0;
             per_row[e * kBlock + k] = b * row_columns;
             inverse[e * kBlock + k] = (a > 0 ? -1.0 : a < 0 ? 1.0 : 0.0) / std::max(size, 1.0);

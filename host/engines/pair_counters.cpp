@@ -96,8 +96,8 @@ std::vector<PairCounts> PairCounters::finishBlocks(Commands& commands) {
   return blocks;
 }
 
-// Makes `blocked` the number of blocked lines. The device counts, in its place, all lines on which two fronts look at
-// each other; the facing ones of them are subtracted here.
+// Makes `blocked` the number of blocked lines. The device has counted all lines on which two fronts look at each other,
+// blocked or not, so the facing lines are subtracted here.
 void PairCounters::takeBlocked(PairCounts& counts) const {
   for (PairCount& count : counts)
     if (counts_blocked_ && count.j < kEnvironment) count.blocked -= count.count;

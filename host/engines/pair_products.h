@@ -42,7 +42,7 @@ class PairProducts {
   }
   // Satisfies Sweep; blocked pairs have no part in products.
   void addBlocked(uint32_t, uint32_t, uint64_t) {}
-  // Adds what is still on its way.
+  // Adds the pairs whose cells are still on their way from memory.
   void settle();
 
   // Returns a sum, and what a row's lines met outside of all pairs.    In: after settle()

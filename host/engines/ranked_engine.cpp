@@ -14,7 +14,7 @@ class RankedEngine final : public Engine {
                LatticeOptions options)
       : crew_(crew), by_threads_(kind == EngineKind::host || kind == EngineKind::exact), number_(crew.newNumber()) {
     if (options.on_batch)
-      // The other ranks count as fast as this one.
+      // Progress is shown as if the other ranks counted as fast as this one.
       options.on_batch = [this, on_batch = std::move(options.on_batch)](uint64_t done) {
         on_batch(own_ ? done * all_ / own_ : all_);
       };
@@ -26,7 +26,7 @@ class RankedEngine final : public Engine {
     try {
       crew_.share([&](uint32_t) { return message; }, [&] { engine_ = make_engine(scene, ids, options); });
     } catch (...) {
-      close();  // those of ranks that could make theirs
+      close();  // closes the engines of ranks that could make theirs
       throw;
     }
   }

@@ -1,4 +1,5 @@
-// All ranks count this engine's directions. Counts are integers, so that their sums are those of one rank.
+// rankedEngines() makes engines that divide their directions among all ranks. Counts are integers, so that their sums
+// have the same bits as the counts of one rank.
 #pragma once
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
@@ -11,7 +12,7 @@ namespace viewpeel {
 //   In: crew: kept by the caller; make_engine: for the part of this rank; kind: of the engines of other ranks
 EngineFactory rankedEngines(Crew& crew, EngineFactory make_engine, EngineKind kind);
 
-// A message has the options that change counts, and the size of batches.
+// These write and read the options that change counts, and the size of batches, as a part of a message between ranks.
 void putLattice(MessageWriter& out, const LatticeOptions& options);
 LatticeOptions getLattice(MessageReader& in);
 

@@ -153,7 +153,7 @@ class GroupedEngine : public Engine {
   void weigh(PairCounts& counts, const Part& part, size_t directions) const {
     for (PairCount& count : counts) {
       // In counts of the finest lattice, the windows' counts of a pair add up to little more than the coarsest lattice
-      // alone would count. So the sum fits 64 bits where each of them fits 63.
+      // alone would count. So their sum fits 64 bits where the counts of each window fit 63.
       if (std::max(count.count, count.blocked) > UINT64_MAX / 2 / part.weight)
         throw Error(ErrorCode::bad_usage, fmt::format("{} directions at resolutions of {} and {} are too many to count "
                                                       "in 64 bits; ask for fewer --directions and more --replicates, "

@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-constexpr double kEnough = 1 - 1e-9;  // this share of the resolution needed is enough, for that is rounded
+constexpr double kEnough = 1 - 1e-9;  // this share of the needed resolution is enough, because the latter is rounded
 constexpr int kGroupStep = 4;         // ratio of the resolutions of consecutive groups
 constexpr size_t kMostWindows = 32;   // each window takes memory, compiles kernels and projects the whole scene
 

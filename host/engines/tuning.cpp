@@ -16,7 +16,7 @@ using namespace device_data;
 namespace {
 
 constexpr uint32_t kFewPoints = 64;  // lattice points in a polygon's box, which holds up to three times its own points
-constexpr double kFewAcross = 5;     // polygons have such boxes if squares of their mean projected area are this wide
+constexpr double kFewAcross = 5;     // spacings along a square of a polygon's mean projected area that has such a box
 
 constexpr uint32_t kLongList = 48;    // tiles are made smaller where they have this many polygons on average
 constexpr double kManyRounds = 1.5;   // more layers are kept where tiles take more rounds than this on average

@@ -3,10 +3,10 @@
 //
 // Derivation: docs/method.md, section 6. By polygon the run's own lines give the visibility of a pair
 // (visibility_sums.h). Between surfaces, and for guarantees, a pilot fixes a visibility b before the run, and eq. (17)
-// is unbiased for any b. In the control variates of environment and leak, all lines of the row replace V + O, because
-// rows sum to 1. Control variates are integers, so they add up to the same bits in any order. Standard errors come from
-// replicates. They are at least the error of one line, since no number of lines proves that nothing is visible. Tests:
-// tests/device/find_prior_test.cpp, tests/unit/visibility_sums_test.cpp.
+// is unbiased for any b. A pair's control variate takes T = V + O, its facing and blocked lines. For environment and
+// leak T is all lines of the row, because rows sum to 1. Control variates are integers, so they add up to the same bits
+// in any order. Standard errors come from replicates. They are at least the error of one line, since no number of lines
+// proves that nothing is visible. Tests: tests/device/find_prior_test.cpp, tests/unit/visibility_sums_test.cpp.
 #pragma once
 #include "engines/size_groups.h"
 #include "estimator/estimate.h"

@@ -32,7 +32,7 @@ std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const s
     coarsest[id] = std::min(coarsest[id], resolution);
     finest[id] = std::max(finest[id], resolution);
   }
-  // For ids of several resolutions: the range of the polygons that each id has on each lattice, by resolution and id.
+  // Ids of several resolutions have a range on each of their lattices, which is kept by resolution and id.
   std::map<double, std::map<uint32_t, double>> mixed;
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     if (const uint32_t id = ids.of_polygon[k]; coarsest[id] < finest[id])

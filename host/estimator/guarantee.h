@@ -73,12 +73,14 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
 //   Throws: Error bad_usage where N would be above 1e15.
 uint64_t leastDirections(const std::function<double(double)>& failure, double delta, double epsilon, double range);
 
-// Returns sqrt(2 V L / K) + 7 M L / (3 (K - 1)), L = ln(4 / p): eq. (30).
+// Returns the empirical Bernstein bound, docs/method.md, eq. (30): sqrt(2 V L / K) + 7 M L / (3 (K - 1)), with L =
+// ln(4 / p). The mean of K independent values in [0, M], of sample variance V, errs by more with probability at most p.
+//   In: variance: V; range: M; blocks: K; p: in (0, 1)
 double bernsteinBound(double variance, double range, double blocks, double p);
 
 struct GuaranteePlan : GuaranteeFigures {
-  std::vector<double> ranges;  // of ids
-  Prior prior;                 // with unoccluded form factors
+  std::vector<double> ranges;  // M_i: double[id], as formFactorRanges() returns them
+  Prior prior;                 // empty without unoccluded form factors
   std::optional<VisibilityBounds> visibility_bounds;
   std::vector<SizeGroup> groups;
   std::unique_ptr<Engine> engine;

@@ -14,12 +14,12 @@
 namespace viewpeel {
 namespace {
 
-// No polygon asks for a finer lattice. Resolutions grow in steps of 4 from the base, and end below 2^16. There snapped
-// corners still have 9 bits for fractions of a spacing.
+// No polygon asks for a finer lattice than this. Windows have the base resolution times powers of 4, and so end below
+// 2^16, where snapped corners still have 9 bits for fractions of a spacing.
 constexpr double kFinestResolution = 1 << 14;
-constexpr double kBaseShare = 0.9;  // The first group's resolution is fine enough for this share of the area.
+constexpr double kBaseShare = 0.9;  // the whole scene's lattice is fine enough for this share of all area
 constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
-constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // A range is the most that a direction adds to an F.
+constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // ranges M of eq. (27) that are tried
 constexpr std::array kBlockDirections = {1u, 4u, 16u};     // numbers of directions of a block
 constexpr uint32_t kPriorPilotDirections = 1024;
 constexpr uint64_t kFewestBlocks = 8;  // fewer blocks do not give a standard error
@@ -29,7 +29,9 @@ constexpr double kDearer = 1.5;
 // Returns the resolution at which the range of each polygon's id is at most `range`: double[polygon]. No resolution is
 // above kFinestResolution.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
-  // The equation sum 2 A + (p or 2 d) h + 2 h^2 = range A has one positive root h.
+  // The terms of eq. (27), or (28), are summed over an id's polygons: 2 A + slope h + number h^2 = range A has one
+  // positive root h. The slope is the sum of perimeters. With scanlines it is that of 2.01 diameters, where the 0.01
+  // exceeds the 2^-9 of eq. (28).
   std::vector<double> areas(ids.count(), 0), slopes(ids.count(), 0), numbers(ids.count(), 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
@@ -77,7 +79,8 @@ std::vector<SizeGroup> groupsFor(const Scene& scene, const std::vector<double>& 
   return groupBySize(scene, needed, static_cast<int>(std::min<double>(std::ceil(base), kMaxResolution)), finest);
 }
 
-// Returns the number of blocks at which bound_at(blocks, p), the largest of all bounds, falls to epsilon.
+// Returns the number of blocks at which bound_at(blocks, p), the largest of all bounds, falls to epsilon. Here p is the
+// part of delta that the look after so many blocks has.
 template <class BoundAt>
 double blocksUntil(double epsilon, double delta, BoundAt bound_at) {
   double low = 2, high = 1e15;
@@ -156,8 +159,8 @@ class GuaranteePlanner {
     return plan;
   }
 
-  // Sets the numbers of directions that suffice without any sample, by Hoeffding's bound, by Lemma 1, and for the
-  // median.
+  // Sets the numbers of directions that suffice whatever the samples are: by Hoeffding's bound (29), by the paper's
+  // Lemma 1, and for its median (docs/method.md, section 9).
   void findDirections(GuaranteePlan& plan) const {
     const double e = plan.epsilon, d = plan.delta, m = plan.largest_range;
     plan.hoeffding = plan.visibility_bounds ? plan.visibility_bounds->directionsFor(e, d / 2)

@@ -1,5 +1,5 @@
 // A GuaranteeRun carries out guarantee mode in steps. Each step counts some blocks of directions, until Hoeffding's or
-// Bernstein's bound is epsilon.
+// Bernstein's bound is at most epsilon.
 #pragma once
 #include <functional>
 #include <vector>
@@ -36,11 +36,11 @@ class GuaranteeRun {
   GuaranteeOptions options_;
   const GuaranteePlan& plan_;
   bool is_median_;
-  uint64_t directions_, most_blocks_;  // of a block
+  uint64_t directions_, most_blocks_;  // directions of a block; blocks of the whole run, at most
   RunSums sums_;
-  std::vector<PairCounts> runs_;  // of the median
+  std::vector<PairCounts> runs_;  // the counts of each run that a median is taken of; else empty
   Guarantee guarantee_;
-  // These are the number of the next look at Bernstein's bound, and the number of blocks at which it takes place.
+  // look_ counts the looks taken at Bernstein's bound. The next look takes place after next_look_ blocks.
   uint64_t look_ = 0, next_look_;
   bool is_done_ = false;
 };

@@ -13,7 +13,7 @@ namespace {
 
 // Every id is to get kLatticePoints lattice points, or scanlines, in kUsualReplicates replicates.
 constexpr double kLatticePoints = 100, kUsualReplicates = 8;
-// A plan uses at most this share of the largest count that fits, because some directions count more than the average.
+// A plan expects at most this share of the largest count that fits, because some directions count more than the mean.
 constexpr double kAllowed = 0.8;
 
 }  // namespace

@@ -61,7 +61,7 @@ LineGuarantee::Tasks LineGuarantee::tasksOf(std::span<const uint32_t> entries) c
   return tasks;
 }
 
-// Takes the lines of an entry's parts.    In: tasks: of these parts, done
+// Takes over the uniform lines that were drawn for an entry's parts.    In: tasks: of these parts, drawn
 void LineGuarantee::take(Entry& entry, std::span<const UniformTask> tasks) {
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     Part& part = parts_[entry.first_part + k];
@@ -116,7 +116,7 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
 }
 
 // Looks at an entry's lines, and chooses its next look.
-//   In: tasks: done; first: index of the task of the entry's first part    Out: whether the entry is finished
+//   In: tasks: drawn; first: index of the task of the entry's first part    Out: whether the entry is finished
 bool LineGuarantee::look(Entry& entry, const Tasks& tasks, size_t first) {
   if (entry.strata_looks > 0) {
     const bool is_done = lookAtStrata(entry, std::span(tasks.strata).subspan(first, entry.part_count));

@@ -22,16 +22,16 @@
 
 namespace viewpeel {
 
-// Relative error of what lines count: of the unoccluded exchange areas of blockable parts (kUnoccludedRelativeError),
-// and of the density of lines.
+// The exchange area that lines give a blockable part has at most this relative error. Its unoccluded exchange area errs
+// by kUnoccludedRelativeError, and the density of lines by as much.
 constexpr double kRoundingError = 3e-6;
 
 struct LineGuaranteeOptions {
   double epsilon = 1e-2, delta = 1e-2;
   bool rows = false;  // whether each row's environment must be within epsilon, too
   By by = By::polygon;
-  // Pairs with a smaller unoccluded form factor are not among `pairs`: at most epsilon, and 0 by surface. Their form
-  // factors come from common directions, in [0, epsilon].
+  // Pairs with a smaller unoccluded form factor than this are not among `pairs`. Common directions count them, and cut
+  // their form factors to [0, epsilon]. It is at most epsilon, and 0 by surface.
   double least_form_factor = 0;
 };
 
@@ -45,7 +45,7 @@ class LineGuarantee {
                 const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options);
 
   const LineGuaranteeFigures& figures() const { return figures_; }
-  // Predicts the times of figures().
+  // Predicts how long the run takes, and adds these times to figures().
   //   Error: all lines count as uniform lines, though lines in strata take less time
   //   Cost: some 100,000 lines.
   void measureSeconds();
@@ -68,17 +68,17 @@ class LineGuarantee {
     double exchange = 0, clear = 0;  // unoccluded, and the part that nothing can block; input units squared
     double allowed = 0;              // error of the exchange area that the guarantee allows
     double log_chance = 0;           // ln(1 / p), where p is the chance that one side of one bound fails
-    double first_weight = 0;         // most that one line weighs, after the first look
-    double weight = 0;               // the same after the last look
+    double first_weight = 0;         // largest exchange area that one line stands for, at the first look
+    double weight = 0;               // and at the last look
     uint32_t first_part = 0, part_count = 0;
     uint32_t looks = 1, look = 0;             // most looks at uniform lines, and those done
     uint32_t strata_looks = 0;                // most looks at lines in strata that are left
-    double strata_lines = 0;                  // lines of the next such look
-    double strata_drawn = 0;                  // lines of all such looks so far
+    double strata_lines = 0;                  // lines of the next look at strata
+    double strata_drawn = 0;                  // lines of all looks at strata so far
     Interval interval{};                      // of exchange areas
-    double first_facing = 0, first_open = 0;  // exchange areas after the first look
-    double first_variance = 0;                // sum of the squared ranges of its lines
-    double most_candidates = INFINITY;        // for one line, if geometry alone bounds the entry
+    double first_facing = 0, first_open = 0;  // exchange areas of facing and of open lines of the first look
+    double first_variance = 0;                // sum of G_k^2 / n_k over its parts after the first look, eq. (55)
+    double most_candidates = INFINITY;        // a line that takes more is left open; where geometry bounds the entry
     double value = 0, standard_error = 0;
 
     double blockable() const { return exchange - clear; }
@@ -93,9 +93,10 @@ class LineGuarantee {
     UniformLineCount count{};
     uint64_t strata_lines = 0;
 
-    // Returns whether a line would take too many candidates.
+    // Returns whether all lines are open, mostly because a line would take too many candidates.
     bool isLeftOpen() const { return count.open == count.lines; }
-    // Estimates the largest exchange area that a candidate stands for, if there were one candidate.
+    // Estimates M of docs/method.md, section 14: the largest weight of a candidate, input units squared. The share of
+    // candidates that become lines is exchange / M.
     double largestWeight() const { return exchange * double(count.candidates) / double(count.lines); }
   };
 
@@ -106,11 +107,11 @@ class LineGuarantee {
     std::vector<size_t> first;  // by entry: index of its first part's task, among those of its kind
   };
 
-  // A Row holds sums over the entries of a row.
+  // A Row holds sums over the entries of a row, as exchange areas.
   struct Row {
-    double lower = 0, upper = 0;              // of intervals
-    double first = 0, open = 0, squares = 0;  // after the first looks
-    double rounding = 0;
+    double lower = 0, upper = 0;              // ends of their intervals
+    double first = 0, open = 0, squares = 0;  // clear and facing, open, and first_variance, after the first looks
+    double rounding = 0;                      // of Entry::rounding()
   };
 
   std::vector<Row> sumRows() const;
@@ -155,15 +156,16 @@ class LineGuarantee {
   std::vector<Part> parts_;     // of faces
   size_t pairs_ = 0;            // number of pairs of faces
   std::vector<uint32_t> open_;  // indices of unfinished entries
-  double log_row_ = 0;          // ln(2 / p) for a row
+  double log_row_ = 0;          // ln(2 / p), where p is the chance that the bound (55) of a row fails
   uint32_t look_ = 0, most_looks_ = 1;
   Vectors vectors_ = widestVectors();
 
-  // In an entry that geometry bounds, a line that would take more candidates is left open. These entries are small,
-  // between slivers side by side. The second limit is for entries that matter more, in a row's sum or as a row's leak.
+  // In an entry that geometry bounds, lines that would take more candidates than this are left open. These entries are
+  // small, such as slivers side by side. The second limit is for entries that matter more, in a row's sum or as a
+  // row's leak.
   static constexpr double kMostCandidates = 100, kMostCandidatesOfSums = 10'000;
   static constexpr uint32_t kStrataLooks = 3;   // most looks at lines in strata
-  static constexpr double kShareOfOpen = 0.01;  // share of a sum's allowed error that such parts may take together
+  static constexpr double kShareOfOpen = 0.01;  // share of a sum's allowed error that parts left open may take together
 };
 
 }  // namespace viewpeel

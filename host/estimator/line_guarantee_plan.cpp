@@ -16,23 +16,26 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kMostEntryLooks = 5;  // at uniform lines; from the second on each has twice the lines of the last
-// A look at uniform lines bounds two sides; a look at strata bounds two, and a variance for each. The first look is
-// followed by four more, or by three at strata and the last.
+// An entry has at most this number of bounds, each of which may fail. A look at uniform lines has two, one for each
+// side. A look at strata has four, one more for the variance of each side. The most are those of the first look, three
+// looks at strata, and the last look; they are more than the ten of five looks at uniform lines.
 constexpr double kMostBounds = 2 + 3 * 4 + 2;
 constexpr double kShareByNeed = 0.5;         // part of delta shared by need of lines; the rest is shared evenly
 constexpr double kFewestLines = 16;          // least lines of an entry
 constexpr double kLeastRoundingShare = 0.5;  // least part of epsilon that rounding must leave
 constexpr double kShareOfLines = 0.98;       // part of an entry's error; the rest is for open lines
 constexpr double kShareOfRowLines = 0.9;     // part of a row's error; the rest is for open parts, too
-constexpr double kFirstLook = 1.2;           // over the lines that end an entry of which no line is facing
+constexpr double kFirstLook = 1.2;           // times the lines that end an entry where no line is facing
 constexpr double kRowShare = 0.5;            // part of delta for rows, if rows have bounds
 constexpr uint64_t kPilotSeries = 1000;      // series of pilots; looks have smaller numbers
 constexpr size_t kPilots = 512;              // entries with a pilot
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
 
-// Returns the largest weight c of a line for which Hoeffding's bound is `allowed`. Parts whose g_k add up to blockable
-// have ceil(g_k / c) lines: c^2 (blockable / c + parts) l / 2 <= allowed^2.
+// Returns the largest weight c of a line for which Hoeffding's bound is at most `allowed`: docs/method.md, eq. (50). A
+// part of exchange area G_k has ceil(G_k / c) lines, so all have at most blockable / c + parts. Hence c is the root of
+// c^2 (blockable / c + parts) l / 2 = allowed^2.
+//   In: blockable: the sum of G_k; parts: their number; l: ln(2 / p), where p is the chance that the bound fails
 double hoeffdingWeight(double blockable, double parts, double allowed, double l) {
   return (std::sqrt(blockable * blockable + 8 * parts * allowed * allowed / l) - blockable) / (2 * parts);
 }
@@ -90,7 +93,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
           ErrorCode::bad_usage,
           fmt::format("--epsilon {} is too small for the rounding errors of a guarantee; ask for {:.0e} or more",
                       options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
-    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // a part of the row's sum, as environment is
+    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // no promise is made for leak alone
   }
 }
 
@@ -109,7 +112,7 @@ void LineGuarantee::planLooks() {
     if (entry.part_count == 0) continue;
     entry.weight = entry.first_weight = blockable / kFewestLines;
     if (entry.j == kLeak && !options_.rows) {
-      // Its number of lines makes its standard error at most epsilon.
+      // The leak gets enough lines for a standard error of at most epsilon.
       const double allowed = options_.epsilon * ids_.areas[entry.i];
       entry.weight = entry.first_weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
@@ -122,7 +125,7 @@ void LineGuarantee::planLooks() {
   }
 }
 
-// Plans the looks at an entry.    In: chance: probability with which any of its bounds may fail
+// Plans the looks at an entry.    In: chance: p_k of section 14, with which any of its bounds may fail
 void LineGuarantee::planEntryLooks(Entry& entry, double chance) {
   const double blockable = entry.blockable(), allowed = kShareOfLines * entry.allowed, fewest = entry.weight;
   double first = 0;
@@ -137,7 +140,7 @@ void LineGuarantee::planEntryLooks(Entry& entry, double chance) {
   if (entry.looks == 1) entry.first_weight = entry.weight;
 }
 
-// Gives first looks so many lines that the bound on each row's sum is epsilon.
+// Gives first looks so many lines that the bound (55) on each row's sum is epsilon.
 void LineGuarantee::planRows() {
   std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0),
       entry_counts(ids_.count(), 0);
@@ -166,7 +169,8 @@ void LineGuarantee::planRows() {
   }
 }
 
-// Returns the expected lines of an entry.    In: share: of its lines that nothing blocks
+// Returns the uniform lines that an entry is expected to need: those of the first look at which Bernstein's bound is
+// within what the entry may err.    In: share: of its lines that nothing blocks
 double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
@@ -216,7 +220,8 @@ void LineGuarantee::predict() {
     if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
-  // Pilots are for entries at equal distances along the running sum of most lines.
+  // The entries are laid end to end, each as long as the most lines that it may need. Those at equal distances get a
+  // pilot (systematic sampling).
   std::vector<std::pair<uint32_t, double>> pilots;  // entry and weight
   const double step = most_uncertain / double(kPilots);
   double sum = 0;

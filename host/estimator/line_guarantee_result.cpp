@@ -1,4 +1,4 @@
-// This file makes form factors and intervals of a guarantee's lines, with bounds on rows.
+// This file makes form factors and intervals from the lines of a guarantee, and bounds the sums of rows.
 #include "estimator/line_guarantee.h"
 
 #include <algorithm>
@@ -28,7 +28,8 @@ std::vector<LineGuarantee::Row> LineGuarantee::sumRows() const {
   return rows;
 }
 
-// Refuses rows in which too much is left open after the first look: their bound cannot be kept any more.
+// Throws where too much of a row is left open after the first looks, for then further lines cannot bring the bound on
+// its sum to epsilon.
 void LineGuarantee::requireRows() const {
   const std::vector<Row> rows = sumRows();
   for (uint32_t id = 0; id < ids_.count(); ++id) {
@@ -44,7 +45,8 @@ void LineGuarantee::requireRows() const {
   }
 }
 
-// Finds intervals. A row's first lines together bound its environment, and so do the intervals of its entries.
+// Returns the interval of each entry, as exchange areas. An environment has two bounds, which are intersected: eq. (55)
+// from the first lines of its row, and the sum of the intervals of the row's other entries.
 std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_factors) const {
   const std::vector<Row> rows = sumRows();
   const auto leftBy = [&](uint32_t id) {

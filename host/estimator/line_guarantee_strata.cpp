@@ -1,4 +1,6 @@
-// Lines in strata of a guarantee: when an entry gets them, how many, and what they bound.
+// This file decides when an entry of a guarantee gets lines in strata, and how many, and bounds the entry by them:
+// docs/method.md, section 14. There M is the largest weight of a candidate, G the blockable exchange area, b the share
+// of lines that nothing blocks, N a number of lines, and l = ln(1 / p) with p the chance of one bound.
 #include <algorithm>
 #include <cmath>
 
@@ -8,19 +10,20 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kStrataSeries = 2000;  // looks at uniform lines, and pilots, have those below
+constexpr uint64_t kStrataSeries = 2000;  // series of looks at strata; uniform lines and pilots have smaller numbers
 constexpr double kFirstStrata = 4;        // of l M / allowed: more than twice what suffices where no lines differ
 constexpr double kWorthStrata = 0.8;      // of the candidates of uniform lines: what strata may take
 constexpr double kVarianceRate = 1.25;    // N lines in strata leave a variance of about N^-1.25
-// Measured: this over b (1 - b) M G N^-1.25 is the variance of most large entries of an office, within a factor of two.
+// The variance of N lines is about this times b (1 - b) M G N^-1.25. Most large entries of an office were measured to
+// be within a factor of two of it.
 constexpr double kVarianceOfStrata = 5.6;
-constexpr double kShareOfDeviation = 0.9;       // of what an entry may err: what a look is planned for
+constexpr double kShareOfDeviation = 0.9;       // of the error allowed to an entry: a look is planned for this share
 constexpr double kMostStrataLines = 4'000'000;  // of a look
-constexpr double kMoreCells = 1.1;              // over those wanted, at most (UniformLines::drawStrata)
+constexpr double kMoreCells = 1.1;              // cells drawn over cells wanted, at most (UniformLines::drawStrata)
 
 }  // namespace
 
-// Returns the exchange areas of candidates of all parts at most.
+// Returns M of an entry, the sum of the largest weights of its parts, input units squared. Parts left open have none.
 double LineGuarantee::sumWeights(const Entry& entry) const {
   double sum = 0;
   for (uint32_t k = 0; k < entry.part_count; ++k)
@@ -38,8 +41,9 @@ double LineGuarantee::expectedStrata(const Entry& entry, double share, double we
   return first + (then > first ? then : 0);
 }
 
-// Returns the lines in strata that an entry is expected to need; 0 where uniform lines are likely to take less.
-//   In: lines: uniform, that it would need; candidates: of each
+// Returns the lines in strata that an entry is expected to need; 0 where uniform lines are likely to take less work.
+//   In: share: of its lines that nothing blocks; lines: number of uniform lines that it would need; candidates: mean
+//   number of candidates that a uniform line takes
 double LineGuarantee::worthStrata(const Entry& entry, double share, double lines, double candidates) {
   if (entry.looks == 1) return 0;
   const double by_strata = expectedStrata(entry, share, entry.blockable() * candidates);
@@ -67,12 +71,13 @@ void LineGuarantee::chooseStrata(Entry& entry) const {
 
 // Returns whether an entry may draw the lines of its next look at strata.
 bool LineGuarantee::hasRoomForStrata(const Entry& entry) const {
-  // A part has at least one cell, and cells have two lines.
+  // Each part has at least one cell, of two lines, however few lines it is due.
   const double most = kMoreCells * (entry.strata_lines + 2 * double(entry.part_count));
   return entry.strata_lines <= kMostStrataLines && entry.strata_drawn + most <= mostStrata(entry);
 }
 
-// Plans the next look at strata from what the last one has shown.    In: lines: of the last look
+// Plans the next look at strata: the least number of lines, in steps of 5 %, for which the squares of the last look
+// forecast an error within what the entry may err.    In: shown: of the last look; lines: of the last look
 void LineGuarantee::planStrata(Entry& entry, const StrataFigures& shown, double lines) const {
   for (double factor = 1.05; entry.strata_looks > 0; factor *= 1.05) {
     const StrataFigures then{.squares = shown.squares * std::pow(factor, -kVarianceRate),

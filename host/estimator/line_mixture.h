@@ -32,15 +32,15 @@ double shareOutside(const PairCounts& counts);
 // value may consist of such lines alone.
 constexpr double kGrazedOfScene = 1e-5;
 
-// LineWork says how much work lines for all pairs and common directions would have. It depends on the scene and the
-// seed, not on measured times, so that the same seed gives the same bits.
+// LineWork says how much work lines for all pairs would be, and how much common directions. It depends on the scene and
+// the seed, not on measured times, so that the same seed gives the same bits.
 struct LineWork {
   double facing_pairs = 0;        // of faces, with an unoccluded form factor above 0; an estimate
-  double pairs_of_direction = 0;  // that a common direction counts
+  double pairs_of_direction = 0;  // pairs of faces that one common direction counts
 };
 
-// Returns false where common directions surely count too many pairs, for nearly every face sees another along each
-// direction.
+// Returns false where common directions are sure to count too many pairs. Along a direction nearly every face sees
+// another one on one side, so that at least a quarter as many pairs as faces are counted.
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 // Returns whether all pairs get lines. They do where lines for all cost little more time than the mixture, because form
 // factors by lines are far more exact.

@@ -175,8 +175,9 @@ LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
   return wanting;
 }
 
-// Returns the same where common directions have counted pairs. Lines reduce their own part of an entry's error alone.
-//   Out: needs_directions_: whether an entry errs too much by what was counted
+// Returns the entries whose lines are too few, as findWanting(), where common directions have counted some pairs.
+// Further lines reduce only the part of an entry's error that is due to lines.
+//   Out: needs_directions_: whether the part due to common directions is too large for an entry
 LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
   const Ids& ids = all.ids();
   const std::vector<FormFactors::Entry> lines = sums_.lines->entriesOfResult();
@@ -199,7 +200,8 @@ LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
   return wanting;
 }
 
-// Plans the next replicate: lines that bring wanting entries to the goal, and common directions if these are needed.
+// Plans the next replicate: lines that bring the wanting entries to the goal, and common directions if an entry needs
+// them.
 void LineRun::planFurther(const Wanting& wanting) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
   further_.assign(wanting.empty() ? 0 : pairs.size(), 0);
@@ -209,7 +211,8 @@ void LineRun::planFurther(const Wanting& wanting) {
     const Key key = entryOf(pairs[k], sums_.lines->ids(), options_.by);
     const auto at = std::ranges::lower_bound(wanting, key, {}, &std::pair<Key, double>::first);
     if (at == wanting.end() || at->first != key) continue;
-    // The number of lines is proportional to the error to the power of -8/5. From few lines the error itself is rough.
+    // The number of lines is proportional to the error to the power of -8/5. kMostGrowth limits it, because an error
+    // from few lines is rough.
     const double lines = std::min(kSpare * std::pow(at->second, 8.0 / 5), kMostGrowth) - 1,
                  times = lines * double(sums_.lines->sums()[k].blocks) / pairs[k].blocks;
     further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));

@@ -20,9 +20,9 @@ namespace viewpeel {
 constexpr double kErrorsInGoal = 4.25, kErrorsInRowGoal = 2.5;
 
 // Gives the pairs of a run enough lines for its goal: a tolerance, a relative error, or both.
-//   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, for whose rows the goals are; options:
-//   goals, replicates, by; most_lines: where the goal needs more, pairs get the lines of a rougher goal that needs
-//   about as many
+//   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, whose rows the goals are for; options:
+//   goals, replicates, by; most_lines: where the goal needs more lines than this, pairs get the lines of a rougher goal
+//   that needs about this number
 //   Out: the pairs, with lines    Cost: as PairLines::plan.
 std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
                                 const EstimateOptions& options, double most_lines);

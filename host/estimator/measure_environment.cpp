@@ -20,16 +20,17 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kReplicates = 8, kLeastReplicates = 4, kFirstDirections = 32, kMostDirections = 1 << 16;
-// Errors fall at least with this power of the number of directions (docs/accuracy.md: 1.29 with exact areas).
+// Errors are taken to fall as N^-0.8 with N directions, and after two rounds as N^-0.5, the power of independent
+// directions. With exact areas the power is 1.29 (docs/accuracy.md).
 constexpr double kLeastExponent = 0.5, kUsualExponent = 0.8;
 constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 64;
-// Rounds are planned to end when this share of the time is over.
+// The next round is planned to end when this share of the time that is left is over.
 constexpr double kShareOfTime = 0.9;
-// A polygon of the median area has two spacings to its side.
+// Two spacings fit along the side of a square of the median area.
 constexpr double kSpacingsPerSide = 2;
 constexpr int kFinestResolution = 1024;
 
-// Counts hold the counts of one replicate, by row.
+// Counts hold the lines of one replicate that leave the scene above the horizon (up) and below it: double[row].
 struct Counts {
   std::vector<double> up, down;
 };
@@ -177,7 +178,7 @@ class Measurement {
   const EnvironmentRequest& request_;
   const Observer& observer_;
   Clock::time_point start_ = Clock::now();
-  bool may_end_ = false;  // the counts are enough for a result
+  bool may_end_ = false;  // whether enough replicates are counted for a result, so that the time limit may end the run
   Ids ids_;
   std::unique_ptr<Engine> engine_;
   double unit_area_ = 0;

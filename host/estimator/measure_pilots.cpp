@@ -1,5 +1,4 @@
-// Before the planner chooses, it counts pilots here. They give the time of a direction and the variances of form
-// factors.
+// This file counts the pilots of a planner. They give it the time of a direction and the variances of form factors.
 #include "directions/random.h"
 #include "directions/replicates.h"
 #include "engines/lattice.h"

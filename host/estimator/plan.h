@@ -65,7 +65,8 @@ Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& opt
 // Groups polygons by the lattice that each needs.
 //   In: base: the resolution of the whole scene's lattice
 //     finest: the resolution of the polygon that needs the finest lattice. Every other polygon gets a resolution 2 / h
-//     ~ (P / A^2)^(1/3), which makes the lattice variance of its id no larger.
+//     ~ (P / A^2)^(1/3), with P and A the perimeter and area of its id. Then the lattice variance of this id is no
+//     larger.
 //     directions: the directions of a replicate. Eight replicates are to give every id 100 lattice points, or 100
 //     scanlines.
 //   Cost: O(n log n).

@@ -49,17 +49,18 @@ struct Timing {
 
 // A SizeClass has polygons that need about the same resolution.
 struct SizeClass {
-  double fineness = 0;
-  double perimeter_per_area_squared = 0;
-  double area = 0;        // share of the area of all polygons
-  double least_area = 1;  // of an id, unit-ball units squared
-  double radius = 0;      // of a polygon's box
+  double fineness = 0;                    // largest of its ids, as finenessOf() returns them
+  double perimeter_per_area_squared = 0;  // largest of its ids, unit-ball units
+  double area = 0;                        // share of the area of all polygons
+  double least_area = 1;                  // smallest area of its ids, unit-ball units squared
+  double radius = 0;                      // largest of its polygons, as boxRadius() returns them
   std::vector<uint32_t> polygons;
 };
 
 // Returns the lattice variance of a form factor of an id of area A and perimeter P, if one other id sees all of it:
-// docs/method.md, eq. (24). With scanlines it is the smaller of two bounds. One is a quarter of eq. (24). The other is
-// h times the squared length of a scanline in the id, (A / 2)^(3/2) for a square.
+// docs/method.md, eq. (24). It is the smaller of two values: that of a lattice finer than the id, and that of a coarser
+// one. With scanlines the first has the 0.0194 of eq. (8), and the second is (4 / A^2) h (A / 2)^(3/2).
+//   In: area: A, unit-ball units squared; h: spacing, unit-ball units
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h);
 
 // Returns the average number of lattice points, or scanlines, of one direction that meet an id. The id's mean
@@ -126,7 +127,7 @@ class Planner {
   // These are the ranks of ids by place, where form factors are visibilities times unoccluded form factors. Pairs of
   // few lines take visibility from their neighbours in rank (neighbour_visibility.h).
   std::vector<uint32_t> ranks_;
-  std::vector<uint32_t> id_of_face_;  // with unoccluded form factors
+  std::vector<uint32_t> id_of_face_;  // uint32_t[face] where unoccluded form factors are used; else empty
   std::vector<SizeClass> classes_;
   // This is the number of windows by {first size class, end of the size classes, resolution}.
   mutable std::map<std::array<int, 3>, size_t> windows_;

@@ -10,7 +10,7 @@ namespace viewpeel {
 namespace {
 
 // These costs were measured, in seconds of one thread.
-constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // to test two faces, and for two that may see each other
+constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // to test two faces, and to find what lies between two that face
 constexpr double kEstimateLine = 30e-9, kEstimatePart = 4e-6;
 constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6, kStrataLine = 18e-9;
 constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
@@ -19,7 +19,8 @@ constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines 
 //   In: share: of its lines that nothing blocks; goal: standard error of this share
 double estimatedLines(double share, double goal) {
   if (goal >= kCertainError) return kFewLines;
-  // Eq. (47) with N / 16 blocks: 2 b (1 - b) N^-1.25.
+  // Eq. (47) of docs/method.md has the variance 2 b (1 - b) N^-1.25 for one replicate of N lines, that is N / 16
+  // blocks, where the share b is known. It is solved for N.
   const double need = std::max(std::pow(2 * share * (1 - share) / (goal * goal), kLineRate), kAgreeingLines / goal);
   return (need > kLinePilots * kFewLines ? kLinePilots * kFewLines : kFewLines) + std::max(need, kFewLines);
 }
@@ -34,7 +35,7 @@ void PromiseCost::add(const EntryLines& entry, double weight) {
   const auto parts = double(entry.exchanges.size());
   const double errors = entry.is_pair ? kErrorsInGoal : kErrorsInRowGoal,
                allowed = tolerance_ * entry.smaller_area / errors;
-  // Eq. (48) of docs/method.md.
+  // Each part gets its share of the variance by eq. (48) of docs/method.md, which needs the fewest lines.
   const auto partOf = [](double exchange) { return std::pow(exchange, 8.0 / 9); };
   double sum = 0, lines = 0;
   for (const double exchange : entry.exchanges) sum += partOf(exchange);

@@ -7,7 +7,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kSharp = 1e-6;  // of the deviation itself
+constexpr double kSharp = 1e-6;  // relative width of the interval in which bisection ends
 
 }  // namespace
 

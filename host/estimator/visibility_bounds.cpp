@@ -28,7 +28,7 @@ VisibilityBounds::VisibilityBounds(const Ids& ids, const std::vector<double>& ra
   std::vector<uint32_t> polygons(ids.count(), 0);
   for (uint32_t id : ids.of_polygon) ++polygons[id];
   for (uint32_t id = 0; id < ids.count(); ++id) {
-    if (polygons[id] > 1) ++row_bounds_[id];  // an id of several polygons sees itself
+    if (polygons[id] > 1) ++row_bounds_[id];  // an id of several polygons may see itself
     row_count_ += row_bounds_[id];
   }
   largest_range_ = *std::max_element(ranges.begin(), ranges.end());

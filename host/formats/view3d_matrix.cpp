@@ -117,8 +117,9 @@ bool closeRows(View3dMatrix& matrix, const std::vector<double>& sums) {
   return largest_error <= kCloseTolerance;
 }
 
-// Let a_i = A_i eps_i / rho_i and M = diag(A_i / rho_i) - [A_i F_ij]. Then A_i script-F_ij = a_i (M^-1)_ij a_j, less
-// a_i eps_i where i = j. M is symmetric and, as rows of F sum to at most 1, positive definite.
+// Let row i have area A_i, emissivity eps_i and reflectivity rho_i = 1 - eps_i. With a_i = A_i eps_i / rho_i and
+// M = diag(A_i / rho_i) - [A_i F_ij], A_i script-F_ij = a_i (M^-1)_ij a_j, less a_i eps_i where i = j. M is symmetric
+// and, as rows of F sum to at most 1, positive definite.
 void includeReflections(View3dMatrix& matrix) {
   const uint32_t n = matrix.rowCount();
   if (n > kMostReflectingRows)

@@ -14,7 +14,7 @@
 namespace viewpeel {
 namespace {
 
-// Returns whether all of the replicates are among those that are held.
+// Returns whether all of `replicates` are among the replicates that are held.
 bool holdsAll(const std::vector<ReplicateRange>& held, const std::vector<ReplicateRange>& replicates) {
   return std::ranges::all_of(replicates, [&](const ReplicateRange& range) {
     return std::ranges::any_of(
@@ -61,7 +61,7 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
                                                   file.string(), format, kFormat));
   Settings settings;
   for (const std::string& name : in.read<std::string>("settings/names"))
-    settings.push_back({name == "--closed-forms" ? "--unoccluded" : name, {}});  // its name before 0.3
+    settings.push_back({name == "--closed-forms" ? "--unoccluded" : name, {}});  // the option's name before 0.3
   readColumn<std::string>(in, "settings/values", settings,
                           [](auto& setting, const std::string& value) { setting.second = value; });
   std::vector<ReplicateRange> replicates;

@@ -30,12 +30,13 @@ struct Checkpoint {
 //     for each pair of the prior and 64 for each control; twice that number of bytes in memory.
 void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
 
-//   Reads a checkpoint.    Throws: Error bad_input where the file is no checkpoint, of another format, cut off or
-//   damaged (a check sum covers all it holds).
+// Reads a checkpoint.
+//   Throws: Error bad_input where the file is no checkpoint, of another format, cut off or damaged (a check sum covers
+//     all that it holds).
 Checkpoint readCheckpoint(const std::filesystem::path& file);
 
-//   Compares the settings of two runs.    Throws: Error bad_usage naming the first that differs, and `file`, which has
-//   `found`.
+// Compares the settings of two runs.
+//   Throws: Error bad_usage, naming the first setting that differs, and `file`, which has the settings `found`.
 void requireSameSettings(const Settings& expected, const Settings& found, const std::filesystem::path& file);
 
 // Adds up checkpoints of one run, in any order of files, to the bits of one run over all their replicates. A file whose

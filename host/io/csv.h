@@ -1,4 +1,4 @@
-// Reads and quotes fields of comma-separated files, as in RFC 4180.
+// These functions read and quote fields of comma-separated files, as in RFC 4180.
 #pragma once
 #include <string>
 #include <string_view>

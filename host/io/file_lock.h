@@ -1,11 +1,11 @@
-// Who may replace a file that many processes see.
+// A FileLock decides which of several processes may replace a file that all of them see.
 #pragma once
 #include <filesystem>
 
 namespace viewpeel {
 
-// A FileLock locks a file as it is now: one process has it, until it ends or lets go. A file put in its place is
-// another file.
+// A FileLock locks a file, not its name: one process has the lock until it ends or releases it. A file that is renamed
+// to the same name is another file, without the lock.
 class FileLock {
  public:
   FileLock() = default;
@@ -13,11 +13,11 @@ class FileLock {
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
 
-  // Locks the file; returns false where another process has it, or the file cannot be opened. Lets go of the file that
-  // was locked before.
+  // Locks the file; returns false where another process has locked it, or it cannot be opened. Releases the file that
+  // this object locked before.
   //   Source: flock(2), which is released by the kernel however the process ends.
   bool take(const std::filesystem::path& file);
-  // Returns whether the locked file is the one of that name.
+  // Returns whether the locked file is still the one of this name.
   bool isOn(const std::filesystem::path& file) const;
   void release();
 

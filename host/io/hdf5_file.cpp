@@ -119,7 +119,7 @@ std::optional<std::string> attributeInWords(hid_t object, const char* name) {
   return std::nullopt;
 }
 
-//   Writes an attribute.    In: space: shape of its values
+// Writes an attribute.    In: space: shape of its values
 bool writeAttribute(hid_t file, const std::string& object, const std::string& name, hid_t stored, hid_t native,
                     hid_t space, const void* values) {
   const Handle opened(H5Oopen(file, object.c_str(), H5P_DEFAULT), H5Oclose);

@@ -60,20 +60,21 @@ class Hdf5Output {
   std::map<std::string, std::vector<std::string>> users_;  // by scale: the columns that use it
 };
 
-// An Hdf5Input reads such files.
+// An Hdf5Input reads a file that an Hdf5Output has made.
 class Hdf5Input {
  public:
-  // Opens a file.    In: kind: of file, and remedy: for a file that cannot be used; both are for messages
-  // Throws: Error bad_input where there is no such file, or its check sum is wrong.
+  // Opens a file.
+  //   In: kind: what messages call the file; remedy: what they advise where it cannot be used
+  //   Throws: Error bad_input where there is no such file, or its check sum is wrong.
   explicit Hdf5Input(const std::filesystem::path& file, const char* kind = "checkpoint",
                      const char* remedy = "take another, or remove it and start afresh");
-  // Reads what Hdf5Output::finish returned.    In: name: for messages
+  // Opens a file in memory, the bytes that Hdf5Output::finish returned.    In: name: for messages
   Hdf5Input(const std::vector<char>& bytes, const std::string& name, const char* kind, const char* remedy);
   ~Hdf5Input();
   Hdf5Input(const Hdf5Input&) = delete;
 
-  // Reads a column.    In: count: the number of values it must have, where known
-  // Throws: Error bad_input where there is no such column of this type and length.
+  // Reads a column.    In: count: the number of values that it must have, where known
+  //   Throws: Error bad_input where there is no such column of this type and length.
   template <class T>
   std::vector<T> read(const std::string& name, std::optional<size_t> count = {});
   // Reads a column written by writeTexts.    Throws: Error bad_input where there is no such column.

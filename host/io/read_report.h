@@ -10,8 +10,8 @@ namespace viewpeel {
 
 // Reads a .h5 of writeFormFactors, with or without a geometry.
 //   Out: numbers to the last bit; balanced form factors are left out
-//   Throws: Error bad_input, naming the file: it is no .h5 of viewpeel, cut off, damaged, or its columns do not match
-//   each other.
+//   Throws: Error bad_input, naming the file, where it is no .h5 of viewpeel, cut off or damaged, or where its columns
+//     do not match each other.
 //   Cost: the whole file is in memory.
 ReportContent readReport(const std::filesystem::path& file);
 // Reads the same from memory.    In: name: for messages

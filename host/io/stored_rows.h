@@ -18,7 +18,7 @@ constexpr int64_t kResultFormat = 1;  // attribute viewpeel_result_format of all
 // StoredRows are names, areas and compressed rows. The entries of row i are from starts[i] to starts[i + 1] - 1.
 struct StoredRows {
   std::vector<std::string> names;
-  std::vector<double> areas;                                    // emitting, input units squared; 0: an empty row
+  std::vector<double> areas;                                    // emitting areas, input units squared; 0: an empty row
   std::vector<int64_t> starts;                                  // rows + 1
   std::vector<int32_t> columns;                                 // of each entry; ascending within a row
   std::vector<std::pair<std::string, std::string>> attributes;  // of the file, as texts
@@ -34,7 +34,7 @@ struct StoredRows {
 Hdf5Input openResult(const std::filesystem::path& file);
 Hdf5Input openResult(const std::vector<char>& bytes, const std::string& name);
 
-//   Reads the rows.    Throws: Error bad_input where it is another file, or rows and columns are not those of a matrix.
+// Reads the rows.    Throws: Error bad_input where it is another file, or rows and columns do not make a matrix.
 //   Cost: O(entries).
 StoredRows readStoredRows(Hdf5Input& in);
 

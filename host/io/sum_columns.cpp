@@ -318,7 +318,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/j", pairs, [](LinePair& pair, uint32_t j) { pair.j = j; });
   readColumn<double>(in, "lines/exchange", pairs, [](LinePair& pair, double area) { pair.exchange = area; });
   readColumn<double>(in, "lines/clear", pairs, [](LinePair& pair, double area) { pair.clear = area; });
-  // Files without it are of exchange areas to 1e-6 (kUnoccludedRelativeError).
+  // A file without the column lines/error has exchange areas that are good to 1e-6 (kUnoccludedRelativeError).
   for (LinePair& pair : pairs) pair.error = 1e-6 * pair.exchange;
   if (in.has("lines/error"))
     readColumn<double>(in, "lines/error", pairs, [](LinePair& pair, double error) { pair.error = error; });

@@ -36,8 +36,8 @@ void writePriorSums(Hdf5Output& out, const RunSums& sums);
 // Writes pair lines and their sums, if the run has them.
 void writeLineSums(Hdf5Output& out, const RunSums& sums);
 
-//   Read the sums back.    Throws: Error bad_input where columns are missing, of other lengths, or cannot be a run's
-//   sums.
+// These functions read the sums back.
+//   Throws: Error bad_input where columns are missing, have other lengths, or cannot be the sums of a run.
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group);
 std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids);
 std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids);

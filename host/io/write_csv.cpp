@@ -22,7 +22,8 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
   if (has_guesses) out << ",is_guess";
   if (content.balanced) out << ',' << content.balanced_column;
   out << '\n';
-  // The parts have no intervals, and no balanced form factors, for only closed scenes are balanced.
+  // The parts of the environment, up and down, have no intervals. They have no balanced form factors, for only closed
+  // scenes are balanced.
   const auto printPart = [&](uint32_t i, const char* name, const Measured& f) {
     if (f.value == 0 && f.standard_error == 0) return;
     fmt::print(out, "{},{},{},{}{}{}{}\n", quoteName(names[i]), name, f.value, f.standard_error,

@@ -12,10 +12,10 @@ void writeCsv(const OutputContent& content, std::ostream& out);
 // Writes a line for each row of the file, empty rows included: `row,name,area,environment,...`.
 void writeRows(const OutputContent& content, std::ostream& out);
 
-//   Writes .npz of SciPy.    Throws: Error limit beyond 2^31 - 1 rows.
+// Writes the .npz of SciPy.    Throws: Error limit beyond 2^31 - 1 rows.
 void writeNpz(const FormFactors& form_factors, std::ostream& out);
 
-//   Writes a .h5.    Throws: Error limit where memory is short, for the file is made in memory.
+// Writes a .h5.    Throws: Error limit where memory is short, for the file is made in memory.
 void writeHdf5(const OutputContent& content, std::ostream& out);
 
 // Writes one JSON object: parameters, rows and form factors.

@@ -19,12 +19,12 @@ namespace viewpeel {
 
 // PairLines::plan finds by these numbers how many lines a pair needs in an estimate.
 constexpr uint32_t kLinePilots = 8;  // most pilots of a pair, of 16 lines each
-// Let N lines be all blocked, or all facing. Then with probability 1 - p the other kind has a share of at most ln(1 /
-// p) / N among all lines. At p = 1e-3, and with errors of four standard errors, N has to be this number over the
-// allowed standard error.
+// N times the allowed standard error must be at least this where N lines of a pair agree. If all are blocked, or all
+// facing, the other kind has a share of at most ln(1 / p) / N of all lines, but for probability p. At p = 1e-3 this
+// share is 7 / N; it may be four standard errors.
 constexpr double kAgreeingLines = 1.75;
-// The largest standard error of a visibility by 16 lines whose weights are as uneven as kUneven allows: eq. (46) and
-// (47) of docs/method.md with b = 1/2 and n = 3.2.
+// The standard error of a visibility by 16 lines is at most this, where their weights are no more uneven than kUneven
+// (pair_lines.cpp) allows: docs/method.md, eq. (46) and (47), with b = 1/2 and n = 3.2.
 constexpr double kCertainError = 0.272;
 constexpr double kLineRate = 0.8;  // 1 / 1.25: the variance falls as N^-1.25 with N lines
 
@@ -37,7 +37,7 @@ struct PairLinesFigures {
 // A UniformTask asks for independent lines of one part of a pair.
 struct UniformTask {
   uint32_t part;           // PairLines::Part::index
-  float guess;             // of the visibility of open lines; set where all lines are open
+  float guess;             // visibility of open lines; drawUniform() sets it where all lines are open
   uint64_t series;         // lines of different series are independent
   uint64_t lines;          // to be added to `count`
   double most_candidates;  // of one line; where a line takes more, all lines are open
@@ -47,12 +47,12 @@ struct UniformTask {
 // A StrataTask asks for lines in strata of one part of a pair.
 struct StrataTask {
   uint32_t part;          // PairLines::Part::index
-  float share;            // of facing lines, as UniformLines::drawStrata
+  float share;            // s of StrataSums, near the share of lines that nothing blocks
   uint64_t series;        // lines of different series are independent
   uint64_t cells;         // number wanted; 0: nothing is drawn
-  StrataSums sums{};      // drawn
-  double efficiency = 0;  // StrataSums' mean is expected to be this times (visibility - share)
-  double error = 0;       // bound on the rounding of this mean
+  StrataSums sums{};      // set by drawStrata(), as the next two are
+  double efficiency = 0;  // the mean of x in `sums` has the expectation efficiency (visibility - share)
+  double error = 0;       // bound on the rounding of the mean of x
 };
 
 class PairLines {
@@ -60,8 +60,8 @@ class PairLines {
   // Prepares patches and blockers; find() does the search.
   //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; with_leak: whether to find pairs of a
   //   face and a back, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty;
-  //   device: draws lines, with the same bits; nullptr: threads do; crew: other ranks
-  //   draw their share, the same bits; nullptr: there are none
+  //   device: draws lines, with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their
+  //   share with the same bits; nullptr: there are none
   PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr);
 
@@ -69,7 +69,7 @@ class PairLines {
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
-  // Returns about how many pairs of faces have an unoccluded form factor above 0, from a sample of pairs.
+  // Estimates how many pairs of faces have an unoccluded form factor above 0, from a sample of pairs.
   //   Error: some 2 % of all pairs    Cost: 4,096 pairs of patches.
   double estimatePairs() const;
   PairLinesFigures figures() const;
@@ -79,22 +79,23 @@ class PairLines {
   bool hasTooMany() const { return !parts_.is_complete; }
 
   // Gives each pair its number of lines, by pilots of 16 and 128 lines.
-  //   In: pairs: as found; allowed(pair): standard error that its exchange area may have, input units squared; most
-  //   stay below it; replicates: number of replicates that draw these lines
+  //   In: pairs: as found; allowed(pair): standard error that its exchange area may have, input units squared;
+  //   replicates: number of replicates that draw these lines
+  //   Error: most pairs keep to the standard error; pilots are rough, so that some exceed it.
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
   // Draws the lines of one replicate.
-  //   In: pairs: all of find()'s, with their plan; times: each pair draws its planned lines so many times in this
-  //   replicate. Where it is empty, pairs draw once in every pair.period replicates
+  //   In: pairs: all that find() found, with their plan; times: by pair, how many times it draws its planned lines in
+  //   this replicate. Where `times` is empty, a pair draws them once in pair.period replicates
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times = {});
 
   // A Part is two patches of a pair of faces that something may block.
   struct Part {
     uint32_t index;
-    double exchange;  // with nothing in between, input units squared
+    double exchange;  // unoccluded exchange area, input units squared
   };
-  // Returns the parts of a pair that something may block.    In: pair: an index into find()'s
+  // Returns the parts of a pair that something may block.    In: pair: an index into the pairs of find()
   std::vector<Part> blockableParts(size_t pair) const;
   // Draws independent lines of one part.
   //   In: part: Part::index; series: different series are independent; most_candidates: for one line
@@ -133,7 +134,7 @@ class PairLines {
                        std::span<const uint32_t> times);
   void drawUniformHere(std::span<UniformTask> tasks) const;
   void drawStrataHere(std::span<StrataTask> tasks) const;
-  // Defined in ranked_lines.cpp: the same, with the other ranks.
+  // These share the work of find, plan, count and draw with the other ranks (ranked_lines.cpp).
   std::vector<LinePair> findOnRanks(double least_form_factor);
   void planOnRanks(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   LineCounts countOnRanks(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times);
@@ -154,7 +155,7 @@ class PairLines {
   std::function<void()> stop_;
   PairFinder finder_;
   PatchPairs parts_;           // grouped by pairs of faces
-  std::vector<Group> groups_;  // by pair of faces: its parts
+  std::vector<Group> groups_;  // the parts of each pair of faces
   const Device* device_;
   Crew* crew_;
   uint64_t pairs_sent_ = 0;                  // hash of the plans of pairs that the other ranks have

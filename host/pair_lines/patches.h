@@ -13,9 +13,9 @@ namespace viewpeel {
 // A Patch is one side of a convex polygon with three or four corners. Lengths are in unit-ball units.
 struct Patch {
   uint32_t side = 0;   // frontSide or backSide of its polygon
-  uint32_t id = 0;     // of its row; for a back on which leaking lines end: its row's id plus the number of rows
+  uint32_t id = 0;     // id of its row; for a back on which leaking lines end: this id plus the number of rows
   uint32_t plane = 0;  // Scene::planes
-  int height = 0;      // blockers of its plane with a higher level lie in front of it, see stepsInFront
+  int height = 0;      // level in its plane: blockers of this plane with a higher level lie in front (stepsInFront)
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
   bool is_part = false;  // whether its row has more patches

@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// The plan of a pair, which rank 0 makes or asks for.
+// A PairPlan is the part of a LinePair that a plan sets. Ranks exchange it in place of whole pairs.
 struct PairPlan {
   uint32_t blocks;
   uint16_t period;
@@ -52,7 +52,8 @@ void drawOnRanks(Crew& crew, RankWork work, std::span<Task> tasks, const std::ve
 
 }  // namespace
 
-// Returns about what a line of a pair costs, relative to an unblocked line: 1, and its tests against blockers.
+// Returns the cost of a line in each part of a pair, in units of one line without blockers. A test against one blocker
+// costs as much.
 double PairLines::costOf(const Group& group) const {
   double cost = 0;
   for (uint32_t part = group.first; part < group.first + group.count; ++part)

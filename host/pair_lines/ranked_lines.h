@@ -1,4 +1,5 @@
-// Draws pair lines for rank 0. Every rank finds all pairs itself, so that messages name pairs by their numbers.
+// A LineServer draws pair lines on ranks other than 0, as rank 0 asks. Every rank finds all pairs itself, so that
+// messages name pairs by their numbers.
 #pragma once
 #include <functional>
 #include <memory>
@@ -16,8 +17,8 @@ class LineServer {
   //   where rank 0 draws lines on its own
   LineServer(const Scene& scene, size_t threads, std::function<void()> stop, std::function<const Device*()> device);
 
-  // Returns the answer to a question about lines, without its first byte.
-  //   In: in: after its first byte    Throws: what PairLines throws.
+  // Does what a message of rank 0 asks for, and returns the answer.
+  //   In: work: the first byte of the message; in: what follows it    Throws: what PairLines throws.
   std::string answer(RankWork work, MessageReader& in);
 
  private:

@@ -21,7 +21,8 @@ VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker
   return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
 }
 
-// A Tangent is a plane through an edge of a patch. All points of the other end that the patch can see lie inside of it.
+// A Tangent is a plane through an edge of a patch. All points of the other end in front of the patch lie on its inner
+// side, which is that of the patch.
 struct Tangent {
   bool is_found = false;
   dvec3 normal{0};
@@ -36,7 +37,7 @@ Tangent tangentOf(const Patch& a, uint32_t edge, std::span<const dvec3> corners,
     if (heights[k] > kTouchingShaft) slope = std::max(slope, outward[k] / heights[k]);
   }
   if (!(slope > -INFINITY)) return {};
-  // Where the other end crosses a's plane beyond the edge there is no tangent.
+  // Where the other end crosses the plane of patch a beyond the edge, there is no tangent.
   for (size_t k = 0; k < corners.size(); ++k) {
     if (heights[k] > kTouchingShaft) continue;
     if (heights[k] >= -kTouchingShaft) {
@@ -53,7 +54,8 @@ Tangent tangentOf(const Patch& a, uint32_t edge, std::span<const dvec3> corners,
 }  // namespace
 
 Shaft::Shaft(const Box& a, const Box& b) : both_{glm::min(a.low, b.low), glm::max(a.high, b.high)} {
-  // A plane along one axis touches both boxes where its normal points into the quadrant of the corners that it joins.
+  // The boxes are projected along each axis. A line through a corner of each is an edge of their hull where its normal
+  // points into the quadrant in which both corners are extreme.
   for (int axis = 0; axis < 3; ++axis) {
     const int u = (axis + 1) % 3, v = (axis + 2) % 3;
     for (const double sign_u : {1.0, -1.0})
@@ -105,7 +107,7 @@ void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors
 [[gnu::always_inline]] inline void Shaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
   for (size_t g = 0; g < from.groupCount(); ++g) {
     const BlockerList::Group& group = from.group(g);
-    // The distance of each box's nearest point from the shaft.
+    // Each lane is one blocker's box: the distance of its nearest point from the shaft, below 0 inside.
     Doubles outside = all(-double(INFINITY));
     for (int axis = 0; axis < 3; ++axis) {
       outside = greatest(outside, load<Doubles>(group.bounds[axis]) - both_.high[axis]);
@@ -167,7 +169,8 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
   uint32_t found = UINT32_MAX;
   runVectorised(
       vectors, [&]() __attribute__((always_inline)) {
-        // A blocker that hides the second end meets the line between the two ends' middles.
+        // A blocker that hides the second end meets the line between the middles of both ends. So boxes that this line
+        // misses are passed over.
         constexpr double kLeast = 1e-300;
         double per_length[3];
         for (int axis = 0; axis < 3; ++axis) {
@@ -196,7 +199,8 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
 
 bool areApart(const Patch& patch, const Blocker& blocker) {
   if (patch.plane == blocker.plane) return false;
-  // A plane of one of them separates them: the blocker's plane, the patch's, or one through an edge of the patch.
+  // The blocker's plane may separate the two, or a plane through an edge of the patch, orthogonal to the patch. The
+  // patch's own plane does not count: a blocker that stands on the patch touches it inside its edges.
   double least = INFINITY, largest = -INFINITY;
   for (const dvec3& corner : patch.corners) {
     const double height = glm::dot(blocker.normal, corner) - blocker.offset;
@@ -261,7 +265,8 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
 }
 
-// Returns whether the blocker hides all of b from a.    In: heights: of the eight corners over the blocker's plane
+// Returns whether the blocker hides all of b from a.
+//   In: heights: of the eight corners over the blocker's plane, four of a and four of b
 [[gnu::always_inline]] inline bool PatchShaft::hides(const Blocker& blocker, const Doubles& heights) const {
   int above_a = 0, above_b = 0, below_a = 0, below_b = 0;
   for (int k = 0; k < 4; ++k) {
@@ -316,7 +321,8 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
     for (int axis = 0; axis < 3; ++axis) bounds[axis][p] = planes_[axis][p] > 0 ? axis : 3 + axis;
   for (size_t g = 0; g < from.groupCount(); ++g) {
     const BlockerList::Group& group = from.group(g);
-    // The distance of each box's nearest point from the shaft: boxes first, eight at once, then corners.
+    // Eight boxes at once are tested against the shaft first, then the corners of blockers whose boxes reach into it.
+    // Each lane is the distance of a box's nearest point from the shaft, below 0 inside.
     Doubles outside = all(-double(INFINITY));
     for (int p = 0; p < used_planes_; ++p)
       outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +

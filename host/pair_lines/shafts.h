@@ -39,14 +39,14 @@ class Shaft {
   struct OutwardPlane {
     double normal[3];
     double offset;
-    int bounds[3];  // of BlockerList::Group: which bounds make the box's corner that is farthest inwards
+    int bounds[3];  // by axis: index into BlockerList::Group::bounds of the box's corner that is farthest inwards
   };
   Box both_;
   OutwardPlane planes_[17];  // twelve around two boxes, or a patch's plane and four through its edges
   int plane_count_ = 0;
 };
 
-// Corners are the corners of two convex ends, up to eight each. They tell which blockers hide one end from the other.
+// Corners hold the corners of two convex ends, up to eight each, and tell which blockers hide one end from the other.
 class Corners {
  public:
   Corners(const Box& a, const Box& b);
@@ -98,7 +98,7 @@ class PatchShaft {
   const Patch &a_, &b_;
   Doubles corners_[3];  // four of a, four of b
   int plane_count_ = 0, used_planes_ = 0;
-  alignas(64) double planes_[4][16];  // outward normals and minus their offsets; unused ones repeat the first
+  alignas(64) double planes_[4][16];  // by plane: outward normal and minus its offset; unused planes repeat the first
 };
 
 }  // namespace viewpeel

@@ -1,4 +1,4 @@
-// Draws lines in strata (UniformLines::drawStrata).
+// UniformLines::drawStrata, in this file, draws lines in strata.
 //
 // Candidates keep their weights: rejection by chance would add a variance that no strata reduce. In most cells all
 // lines are blocked, or none, so that N lines have a variance of about N^-1.25. The two lines of a cell are
@@ -12,11 +12,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kPortion = 16;  // blocks of sixteen cells that are added up in single precision
+constexpr uint64_t kPortion = 16;  // number of blocks of sixteen cells that are added up in single precision
 
 }  // namespace
 
-// Cells are the strata: the four numbers of a candidate, each cut into equal parts.
+// Cells are the strata of the unit cube of a candidate's four numbers: each number's range is cut into equal parts.
 struct UniformLines::Cells {
   uint32_t counts[4] = {1, 1, 1, 1};
 
@@ -34,7 +34,7 @@ struct UniformLines::XRange {
   double low, high;
 };
 
-// Cuts the numbers so that each moves a line about as far within a cell.
+// Cuts the four numbers so that each moves a line about equally far within a cell.
 UniformLines::Cells UniformLines::cellsOf(uint64_t cells) const {
   const double wanted = 1.1 * double(std::min(cells, kMostCells));
   const auto cutInto = [&](double unit) {
@@ -57,11 +57,12 @@ UniformLines::Cells UniformLines::cellsOf(uint64_t cells) const {
 }
 
 double UniformLines::strataError() const {
-  // Sums of kPortion numbers in single precision round, too.
+  // The weights err by weight_error, and sums of kPortion numbers in single precision round, too.
   return double(fast_.weight_error) + 2 * double(kPortion) * 0x1p-24;
 }
 
-// Finds x of one line in double precision.
+// Finds x of StrataSums for one line, in double precision.
+//   In: words: random numbers; at: place of the cell along the four axes; share: s
 UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const double* at, const Cells& cells,
                                                 double share) const {
   double u[kNumbers] = {};

@@ -13,13 +13,14 @@ namespace {
 
 using glm::dvec3;
 
-// Rounding moves places by less than this number of units in the last place of the largest coordinate. The 2^-24 or
-// 2^-53 of random numbers are included: docs/method.md, section 14.
+// Rounding moves places by less than this number of units in the last place of the largest coordinate. The error of
+// random numbers, 2^-24 or 2^-53, is included: docs/method.md, eq. (56).
 constexpr double kPlaceUlps = 64;
 constexpr double kUlp[] = {0x1p-24, 0x1p-53};
-// Below this square of the cosine, sqrt(1 - x^2 - y^2) loses more than kPlaceUlps.
+// Where the square of a direction's cosine is below this, sqrt(1 - x^2 - y^2) errs by more than kPlaceUlps.
 constexpr double kLeastCosine2[] = {1.0 / 64, 1e-8};
-// More candidates than this multiple of their expected number show that the exchange area is wrong.
+// Where more candidates are drawn than this multiple of their expected number, the given exchange area is wrong.
+// The first kFreeCandidates do not count, for few candidates vary much.
 constexpr double kMostCandidates = 64;
 constexpr uint64_t kFreeCandidates = 1 << 10;
 
@@ -47,7 +48,7 @@ double mostDensity(const End& end) {
 
 }  // namespace
 
-// The gap between the patches along any direction is a lower bound on their distance. The patches' normals and the
+// The gap between two patches along any direction is a lower bound on their distance. The patches' normals and the
 // directions of Gilbert's algorithm are tried (E. Gilbert, An iterative procedure for computing the minimum of a
 // quadratic form on a convex set, 1966).
 double leastDistance(const Patch& a, const Patch& b) {
@@ -106,8 +107,9 @@ void UniformLines::chooseWay(const Patch& small, const Patch& large, double exch
     way_ = UniformWay::points, most_ = most, efficiency_ = efficiency;
 }
 
-// Sets the part of the disk below the hemisphere that directions from the first patch to the second may lie in. One
-// axis runs along the fold of the two planes, so that a wall beside a floor takes at most half of the disk.
+// Sets the rectangle that directions are drawn in. Directions of Lambert's law are uniform in the unit disk onto which
+// the hemisphere is projected; the rectangle holds all from the smaller patch to the larger. One axis runs along the
+// line in which the two planes meet, so that a wall beside a floor takes at most half of the disk.
 void UniformLines::frameDisk(const Patch& small, const Patch& large, double least_distance) {
   constexpr double kParallel = 1e-3, kMargin = 1e-6;
   const dvec3 fold = glm::cross(small.normal, large.normal);
@@ -122,7 +124,8 @@ void UniformLines::frameDisk(const Patch& small, const Patch& large, double leas
         const double along = glm::dot(large.corners[m] - small.corners[k], disk_.axes[axis]);
         low = std::min(low, along), high = std::max(high, along);
       }
-    // A line is no shorter than the least distance; the shorter it is, the larger its part along the axis.
+    // A line that moves by `along` on the axis is no shorter than that, nor than the least distance. So its direction
+    // has at most this component.
     const auto partOf = [&](double along) { return along / std::max(least_distance, std::abs(along)); };
     disk_.low[axis] = static_cast<float>(std::max(-1.0, std::min(0.0, partOf(low)) - kMargin));
     disk_.high[axis] = static_cast<float>(std::min(1.0, std::max(0.0, partOf(high)) + kMargin));
@@ -186,7 +189,7 @@ UniformLineCount UniformLines::draw(uint64_t stream, uint64_t lines, Vectors vec
   return count;
 }
 
-// Decides about one candidate in double precision, with more digits of its random numbers.
+// Decides one candidate in double precision, with more digits of its random numbers.
 UniformLineCount UniformLines::decide(const uint32_t* words) const {
   double u[kNumbers];
   for (int d = 0; d < kNumbers; ++d) u[d] = withFurtherDigits(words, d);

@@ -1,6 +1,7 @@
 // UniformLines draws independent lines, uniform over all lines between two patches. Guarantees are made of them.
 //
-// Each line has density f / F0, f = cos cos / (pi r^2), so it is unblocked with a probability that is the visibility.
+// Each line has density f / F0, where f = cos cos / (pi r^2) and F0 is its integral over both patches. So the
+// probability that nothing blocks it is the visibility.
 // Candidates are drawn in the way that wastes fewest, and rejected so that the others have exactly this density:
 //   points      from a uniform point of one patch to a uniform point of the other, kept with probability f over a bound
 //               on f;
@@ -22,7 +23,7 @@ namespace viewpeel {
 struct UniformLineCount {
   uint64_t lines = 0;   // between the two patches
   uint64_t facing = 0;  // lines that surely nothing blocks
-  uint64_t open = 0;    // lines of which rounding hides whether something blocks them
+  uint64_t open = 0;    // lines for which rounding hides whether something blocks them, and lines not drawn
   uint64_t candidates = 0;
 
   UniformLineCount& operator+=(const UniformLineCount& other) {
@@ -39,10 +40,10 @@ struct StrataSums {
   uint64_t cells = 0;
   double low = 0, high = 0;                  // sums of x, with open lines taken for blocked, and for facing
   double low_squares = 0, high_squares = 0;  // sums of (x1 - x2)^2 over the two lines of a cell, as low and high
-  uint64_t open = 0;                         // lines of which rounding does not tell
+  uint64_t open = 0;                         // lines for which rounding hides whether something blocks them
 };
 
-// UniformWay says how candidates are drawn (above).
+// UniformWay says how candidates are drawn: the three ways at the top of this file.
 enum class UniformWay : uint8_t { points, directions, contact };
 
 // Returns a lower bound on the distance of two patches, mostly a few per cent below it; 0 where they touch.
@@ -55,8 +56,8 @@ class UniformLines {
   UniformLines(const Patch& a, const Patch& b, double exchange, const std::vector<Blocker>& blockers,
                std::span<const PlacedBlocker> between);
 
-  // Returns the expected share of candidates that become lines of the pair, by its exchange area and the bound on
-  // f.
+  // Returns the expected share of candidates that become lines of the pair. It follows from the exchange area and the
+  // largest weight.
   double efficiency() const { return efficiency_; }
 
   // Draws lines.
@@ -109,14 +110,14 @@ class UniformLines {
   StrataSums drawAllStrata(uint64_t stream, const Cells& cells, float share) const;
 
   UniformWay way_ = UniformWay::contact;
-  double most_ = 0;  // largest weight
+  double most_ = 0;  // M of docs/method.md, section 14: the largest weight of a candidate, in units of radius^2
   double efficiency_ = 0;
-  // The part of the disk below the hemisphere that directions are drawn in.
+  // A Disk is the rectangle in the unit disk, onto which the hemisphere is projected, that directions are drawn in.
   struct Disk {
     glm::dvec3 axes[2]{};
     float low[2], high[2];
   } disk_{};
-  double lengths_[4] = {};  // distances over which each number of a candidate moves a line, about
+  double lengths_[4] = {};  // about how far each number of a candidate moves a line, from 0 to 1, in radii
   Geometry<float> fast_;
   Geometry<double> accurate_;
 };

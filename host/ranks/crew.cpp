@@ -92,7 +92,7 @@ std::vector<size_t> Crew::cut(std::span<const double> costs, bool by_threads) co
   size_t at = 0;
   for (uint32_t rank = 0; rank + 1 < size(); ++rank) {
     reached += by_threads ? threads_[rank] : 1;
-    // Half of a task on either side is the nearest cut.
+    // A task goes to the rank whose part of the cost holds the task's middle, so that each cut is the nearest.
     while (at < costs.size() && done + costs[at] / 2 < all * reached / ranks) done += costs[at++];
     cuts.push_back(at);
   }
@@ -106,7 +106,7 @@ bool endRanks(Ranks& ranks) {
   const auto start = Clock::now();
   Pause pause;
   for (uint32_t rank = 1; rank < ranks.size();) {
-    // Answers that rank 0 has given up come before the last.
+    // Late answers, which rank 0 no longer awaits, may come before the answer to `end`.
     const std::optional<std::string> answer = ranks.poll(rank);
     if (answer && !answer->empty() && answer->front() == char(RankAnswer::ended)) ++rank;
     else if (secondsSince(start) > kSecondsToEnd) return false;

@@ -14,7 +14,8 @@
 
 namespace viewpeel {
 
-// The first byte of a question. `close`, `stop` and `end` have no answer but that serving has ended.
+// RankWork is the first byte of a question, and says what the rank is to do. `close_engine` and `stop` have no
+// answer; the answer to `end` is RankAnswer::ended.
 enum class RankWork : uint8_t {
   hello,         // version and fingerprint of the scene -> threads of the rank
   open_engine,   // number, kind, lattice, ids -> nothing
@@ -31,7 +32,7 @@ enum class RankWork : uint8_t {
   end,
 };
 
-// The first byte of an answer.
+// RankAnswer is the first byte of an answer.
 enum class RankAnswer : uint8_t { done, stopped, failed, ended };
 
 class Crew {
@@ -57,7 +58,7 @@ class Crew {
 
   // Cuts tasks 0 to n - 1 into a range for each rank, of about equal cost for each of its threads.
   //   In: costs: double[n]; by_threads: false: of about equal cost for each rank
-  //   Out: size() + 1 ascending indices: rank r has those from [r] to [r + 1] - 1
+  //   Out: size() + 1 ascending indices: rank r has the tasks from [r] to [r + 1] - 1
   std::vector<size_t> cut(std::span<const double> costs, bool by_threads = true) const;
 
  private:

@@ -4,7 +4,7 @@
 
 namespace viewpeel {
 
-// Ids in a message have no names, which only results need.
+// These write and read ids as a part of a message. Names are left out, because only results need them.
 void putIds(MessageWriter& out, const Ids& ids);
 Ids getIds(MessageReader& in);
 

@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr int kCompression = 4;  // of 1 to 9: higher ones gain 1 % of form factors and take twice the time
+constexpr int kCompression = 4;  // zlib's level: higher ones make form factors 1 % smaller and take twice the time
 
 template <class T>
 constexpr const char* typeName() {

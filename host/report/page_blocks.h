@@ -11,10 +11,10 @@ namespace viewpeel {
 // zlib does, and written in base64. zlib's check sum tells the page of damage.
 class PageBlocks {
  public:
-  // Values are of uint8_t, int32_t, float or double.
+  // Adds an array of uint8_t, int32_t, float or double.
   template <class T>
   void add(const std::string& name, const std::vector<T>& values);
-  // Texts stand one after the other, each ended by a byte 0; a byte 0 within is left out.
+  // Adds an array of texts, one after the other, each ended by a byte 0. A byte 0 within a text is left out.
   void addTexts(const std::string& name, const std::vector<std::string>& texts);
 
   // Returns the list of arrays as JSON: [{"name", "type", "count"}, ...], block k being the k-th.

@@ -5,7 +5,7 @@
 namespace viewpeel {
 
 struct ReportSurvey {
-  // The histogram counts entries with an error above 0: bin k begins at first + k step, of the error's log10.
+  // The histogram counts entries with an error above 0 by the log10 of the error: bin k begins at first + k step.
   double first = 0, step = 0.25;
   std::vector<double> error_bins;
   double without_error = 0;  // number of entries with an error of 0

@@ -19,8 +19,8 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kPageBytes = 60'000'000;
-constexpr size_t kExactBytes = 20'000'000;     // up to which form factors are doubles
-constexpr size_t kGeometryBytes = 30'000'000;  // most for polygons
+constexpr size_t kExactBytes = 20'000'000;     // form factors are doubles where they take no more than this
+constexpr size_t kGeometryBytes = 30'000'000;  // most bytes of polygons
 constexpr size_t kSpareBytes = 1'000'000;      // reserve for tables and the survey
 constexpr int64_t kBlockEntries = 1 << 15;     // entries that the page decodes together
 constexpr size_t kListed = 2000;               // number of form factors in the table of the largest

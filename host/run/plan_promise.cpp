@@ -12,8 +12,8 @@
 namespace viewpeel {
 namespace {
 
-// A promise allows backs this part of the tolerance in each row: lines that graze an edge may end on a back by
-// rounding. The environment's interval includes it.
+// A promise allows that this part of the tolerance of each row ends on backs, because lines that graze an edge may do
+// so by rounding. The environment's interval includes this leak.
 constexpr double kGrazedPart = 0.1;
 
 }  // namespace
@@ -35,7 +35,7 @@ bool FormFactorRun::State::planPromise() {
   for (PairCounts& counts : *promise_counts) {
     for (const PairCount& count : counts) {
       is_open |= count.j == kEnvironment;
-      if (count.j == kLeak) leaked[count.i] += 2 * double(count.count) * commonCountArea();  // eq. (1)
+      if (count.j == kLeak) leaked[count.i] += 2 * double(count.count) * commonCountArea();  // docs/method.md, eq. (7)
     }
     std::erase_if(counts, [](const PairCount& count) { return count.j == kLeak; });
   }

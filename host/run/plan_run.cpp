@@ -22,7 +22,7 @@ constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is teste
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
-constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // tried: of a mixture's engine
+constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // of the first pilot; of each lattice of a mixture
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -87,8 +87,9 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
   return largest;
 }
 
-// Returns the number of common directions in a replicate of pair lines. Where these directions count pairs, five that
-// meet a whole pair add up to epsilon, by eq. (1) of docs/method.md: so counts are hardly ever cut off at epsilon.
+// Returns the number of common directions in a replicate of pair lines. Where these directions count pairs, there are
+// so many that five of them, each meeting a whole pair, give it the form factor epsilon: docs/method.md, eq. (7). So
+// counts are hardly ever cut off at epsilon.
 uint32_t FormFactorRun::State::commonDirections() const {
   if (!(setup.leastFormFactor() > 0)) return kLineRunDirections;
   constexpr double kMet = 5, kMostDirections = 512;

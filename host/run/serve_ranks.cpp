@@ -1,4 +1,4 @@
-// Counts for rank 0 (include/viewpeel/ranks.h).
+// This file serves rank 0: the other ranks count and draw lines as it asks (include/viewpeel/ranks.h).
 
 #include <atomic>
 #include <map>
@@ -37,7 +37,7 @@ void answerAll(Ranks& ranks, const std::function<std::string(RankWork work, Mess
     const std::string question = waitForQuestion(ranks);
     MessageReader in(question);
     const auto work = in.get<RankWork>();
-    if (work == RankWork::stop) continue;  // it came after the answer
+    if (work == RankWork::stop) continue;  // rank 0 sent it before it had the answer to its last question
     if (work == RankWork::end) return ranks.send(0, MessageWriter().put(RankAnswer::ended).take());
     std::string reply;
     try {
@@ -149,7 +149,7 @@ class Serving {
   std::thread::id thread_ = std::this_thread::get_id();
   std::atomic<bool> is_stopped_ = false;
   std::optional<Device> device_;
-  std::map<uint64_t, Open> engines_;  // of rank 0's numbers
+  std::map<uint64_t, Open> engines_;  // by the numbers that rank 0 gave them
   LineServer lines_;
 };
 

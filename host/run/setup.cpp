@@ -20,7 +20,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kLeastOfEpsilon = 0.999;  // least unoccluded form factor with lines, over epsilon
+constexpr double kLeastOfEpsilon = 0.999;  // pairs below this multiple of epsilon, unoccluded, get no lines
 
 // Returns goals, replicates, seed and time limit. Directions and sampler are settled later.
 EstimateOptions estimateOptionsOf(const Request& request) {

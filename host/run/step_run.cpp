@@ -57,7 +57,8 @@ void FormFactorRun::State::beginLineGuarantee() {
     common_sums->add(replicate, counts[replicate], plan->directions);
 }
 
-// Returns the area that one count of a common direction stands for, input units squared over directions.
+// Returns measure_area of ReplicateSums for a replicate of common directions: the area that one count stands for, over
+// the number of directions, input units squared.
 double FormFactorRun::State::commonCountArea() const {
   return plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
 }

@@ -18,7 +18,7 @@ PriorSummary summarise(const FoundPrior& found);
 // Returns a time as people write it: "0.31 s", "14 minutes".
 std::string inWords(double seconds);
 
-//   Refuses a guarantee that would take longer than the time limit.    Throws: Error bad_usage.
+// These functions refuse a guarantee that would take longer than the time limit.    Throws: Error bad_usage.
 [[noreturn]] void refuseGuarantee(const GuaranteeFigures& plan, double time_limit_s);
 [[noreturn]] void refuseGuarantee(const LineGuaranteeFigures& plan, double time_limit_s);
 

@@ -1,4 +1,4 @@
-// These functions know the nodes and faces of CalculiX's solid elements.
+// These functions give the nodes and faces of CalculiX's solid elements.
 #pragma once
 #include <cstdint>
 #include <string>

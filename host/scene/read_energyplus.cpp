@@ -1,6 +1,6 @@
 // This file makes scenes of EnergyPlus buildings. All zones form one scene: no zone sees another one, for its surfaces
 // enclose it, and a wall's surfaces in two zones are back to back. In the scene outside the zones fronts look outward,
-// so that these two are face to face.
+// so that these two surfaces are face to face.
 #include <algorithm>
 #include <cmath>
 #include <map>

@@ -5,7 +5,7 @@
 
 namespace viewpeel {
 
-//   Reads Wavefront OBJ.    Throws: Error bad_input naming file and line.
+// Reads Wavefront OBJ.    Throws: Error bad_input naming file and line.
 InputScene readObj(const std::filesystem::path& file);
 
 // Reads STL, text and binary; every solid is a surface.

@@ -13,7 +13,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLeastCosine = 0.01;  // below it the hits of coincident polygons may be far apart along the ray
+constexpr double kLeastCosine = 0.01;  // at smaller cosines the hits of coincident polygons may be far apart on a ray
 constexpr double kStepBack = 2 * kCoincidenceReach / kLeastCosine;
 
 }  // namespace

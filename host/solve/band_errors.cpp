@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 
 constexpr uint64_t kProbeSeed = 0x62616E6473;
 
-// A Disturbance is the effect of errors on A H_k, on the exchange with the environment, and on its part above the
-// horizon.
+// A Disturbance is the effect of errors of exchange areas: on A H_k of each band k (of_bands, W), and on each row's
+// exchange area with the environment, the whole and the part above the horizon (environment, up).
 struct Disturbance {
   BandVectors of_bands;
   VectorXd environment, up;
@@ -51,8 +51,8 @@ class Disturber {
   }
 
  private:
-  // The row exchanges more with another row, and as much less with its environment, or with itself
-  // (environment_is_rest).
+  // Adds what follows where a row exchanges `error` more with another row. Its environment loses as much if it is the
+  // rest of the row (environment_is_rest), else the row's exchange with itself does.
   void gain(uint32_t row, uint32_t other, double error, Disturbance& sum) const {
     const bool is_rest = closed_.environment_is_rest[row];
     if (is_rest) {

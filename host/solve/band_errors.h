@@ -9,8 +9,8 @@ namespace viewpeel {
 constexpr size_t kMostSources = 512;
 
 // BandErrors hold how errors of exchange areas change all answers: a column for each error. Where there are too many
-// errors, there are kProbes columns, each for random signs of all errors. Columns for errors of sky and ground come
-// last.
+// errors, there are kProbes columns (heat_errors.h), each for random signs of all errors. Columns for errors of sky and
+// ground come last. Derivation: docs/solve.md, eq. (7), (8) and (13).
 //   Error: of first order; with probes, 1/16 of the standard error. Tests: tests/unit/solve_bands_test.cpp.
 class BandErrors {
  public:
@@ -20,7 +20,7 @@ class BandErrors {
   BandErrors(const FormFactors& measured, const ClosedExchange& closed, const BandSystem& system,
              size_t most_sources = kMostSources);
 
-  // An Answer is a quantity with a value for each row.
+  // An Answer is a quantity that has a value for each row of the solution.
   enum Answer { kTemperature, kEmission, kRadiosity, kIrradiation, kFlux };
   struct Term {
     uint32_t row;

@@ -16,7 +16,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kMostSteps = 100, kMostHalvings = 40, kMostInnerSteps = 500;
-constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // largest residual, over the largest emission
+constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // largest residual, as a share of the largest emission
 constexpr double kInnerResidual = 1e-8;                      // largest residual of a Newton step's linear solution
 constexpr double kLargestFall = 0.25;                        // least ratio of a temperature after a step to that before
 
@@ -86,7 +86,7 @@ void BandSystem::findIrradiations() {
   }
 }
 
-// Returns how far the heat flux of each free row exceeds the given one.
+// Returns how far the heat flux of each free row exceeds the given one, W/m2: the residual of docs/solve.md, eq. (12).
 VectorXd BandSystem::excess() const {
   VectorXd excess = VectorXd::Zero(temperatures_.size());
   for (Index i = 0; i < excess.size(); ++i) {
@@ -124,7 +124,8 @@ void BandSystem::guessTemperatures() {
           0.25);
 }
 
-// Returns the change of each free row's emission in a band with its temperature; 0 for other rows.
+// Returns the derivative of each free row's emission in a band with respect to its temperature, W/m2 per kelvin; 0 for
+// other rows.
 VectorXd BandSystem::slope(size_t k) const {
   VectorXd slope = VectorXd::Zero(temperatures_.size());
   for (Index i = 0; i < slope.size(); ++i)
@@ -136,8 +137,8 @@ VectorXd BandSystem::solveRoughly(size_t k, const VectorXd& b) const {
   return inverses_[k] ? VectorXd(*inverses_[k] * b) : solvers_[k]->solveRoughly(b);
 }
 
-// Returns how much the heat flux of each free row changes, to first order, when temperatures change by `change`. Free
-// rows are rows whose temperatures are to be found.
+// Returns how much the heat flux of each free row changes, to first order, when temperatures change by `change`: the
+// product of docs/solve.md, eq. (13), with `change`.
 VectorXd BandSystem::changeOfFlux(const BandVectors& slopes, const VectorXd& change) const {
   VectorXd flux = VectorXd::Zero(change.size());
   for (size_t k = 0; k < bands_.size(); ++k) {
@@ -180,7 +181,7 @@ VectorXd BandSystem::solveNewton(const VectorXd& right_side) const {
   return scale.cwiseProduct(y);
 }
 
-// Refuses a row that would have to emit less than nothing, after Newton's method has failed.
+// Throws for a row that would have to emit less than nothing; called after Newton's method has failed.
 void BandSystem::refuseNegativeEmission(const std::vector<std::string>& names) const {
   for (Index i = 0; i < temperatures_.size(); ++i) {
     if (!isFree(i)) continue;

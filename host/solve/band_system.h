@@ -1,4 +1,5 @@
-// A BandSystem has the equations of all bands, and tells how answers respond to disturbances.
+// A BandSystem solves the equations of all bands of wavelengths, and tells how answers respond to disturbances:
+// docs/solve.md, eq. (12) and (13).
 #pragma once
 #include <memory>
 #include <vector>
@@ -40,7 +41,7 @@ class BandSystem {
   double shift(size_t k) const { return shifts_[k]; }
   uint32_t steps() const;
 
-  // A Response says how answers change under a disturbance of A H_k, in first order.
+  // A Response says how temperatures, K, and irradiations, W/m2, change under a disturbance of A H_k, in first order.
   struct Response {
     Eigen::VectorXd temperature;
     BandVectors irradiation;

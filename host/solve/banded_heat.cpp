@@ -56,7 +56,8 @@ class BandAnswers {
     found.to_down = {down, errors_.toDown()};
   }
 
-  // Emission is what some rows emit at one temperature, over the area of all rows, and its change with the temperature.
+  // An Emission is what some rows emit at one temperature: power over the area of all rows, W/m2, and its derivative
+  // with respect to the temperature, slope.
   struct Emission {
     double power = 0, slope = 0;
   };
@@ -110,7 +111,7 @@ class BandAnswers {
     sum.emissivity = meanEmissivity(emissivities, temperature);
     sum.radiosity.standard_error = error(BandErrors::kRadiosity, shares);
     sum.irradiation.standard_error = error(BandErrors::kIrradiation, shares);
-    std::vector<Term> of_flux;  // rows whose heat flux is not given
+    std::vector<Term> of_flux;  // the shares of rows of given temperature, for heat fluxes of other rows have no error
     for (const Term& term : shares)
       if (enclosure_.materials[term.row].temperature) of_flux.push_back(term);
     sum.heat_flux.standard_error = error(BandErrors::kFlux, of_flux);

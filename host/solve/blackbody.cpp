@@ -13,7 +13,7 @@ constexpr double kSecondConstant = 14387.768775039337;  // um K: h c / k with th
 constexpr double kShareOfIntegral = 15 / (std::numbers::pi * std::numbers::pi * std::numbers::pi * std::numbers::pi);
 constexpr double kSeriesMeet = 2;     // value of z up to which the power series is used
 constexpr double kNoEmission = 700;   // above this z, e^-z is 0 in double precision
-constexpr double kLeastTerm = 1e-17;  // at which a series ends, over the sum
+constexpr double kLeastTerm = 1e-17;  // a series ends at a term of this share of the sum
 
 // Returns the integral of x^3 / (e^x - 1) from z on: the sum of e^-nz (z^3 / n + 3 z^2 / n^2 + 6 z / n^3 + 6 / n^4).
 double integralBeyond(double z) {
@@ -25,7 +25,8 @@ double integralBeyond(double z) {
   }
 }
 
-// Returns the integral from 0 to z, by integrating x^2 times the sum of B_n x^n / n!, with Bernoulli's numbers B_n.
+// Returns the integral of x^3 / (e^x - 1) from 0 to z. The integrand is x^2 times the sum of B_n x^n / n!, with
+// Bernoulli's numbers B_n, and is integrated term by term.
 double integralUpTo(double z) {
   // B_2m / (2m)! = -2 (-1)^m zeta(2m) / (2 pi)^2m. From 2m = 54 on zeta is 1 to 1e-16.
   double sum = 1.0 / 3 - z / 8;
@@ -39,7 +40,7 @@ double integralUpTo(double z) {
   }
 }
 
-// Returns the change of blackbodyShare with the logarithm of its argument.
+// Returns the derivative of blackbodyShare with respect to the logarithm of its argument.
 double shareSlope(double um_K) {
   if (!(um_K > 0) || std::isinf(um_K)) return 0;
   const double z = kSecondConstant / um_K;

@@ -16,9 +16,9 @@ struct Band {
 //    Below z = 2 their series converges slowly, and the power series with Bernoulli's numbers is used.
 double blackbodyShare(double um_K);
 
-// Returns the emission of a black surface in the band, W/m2.
+// Returns the emission of a black surface in the band, W/m2.    In: temperature: K
 double bandPower(const Band& band, double temperature);
-// Returns the change of this emission with the temperature, W/m2 per kelvin.
+// Returns the derivative of this emission with respect to the temperature, W/m2 per kelvin.
 double bandPowerSlope(const Band& band, double temperature);
 
 }  // namespace viewpeel

@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// Refuses emissivities that do not suit the bands: a grey row has one emissivity, a row with bands one for each.
+// Throws where emissivities do not suit the bands: a grey row has one emissivity, a row with bands one for each.
 void requireEmissivities(const Material& material, size_t band_limits, const std::string& name) {
   const std::vector<double> emissivities =
       band_limits == 0 ? std::vector{material.emissivity} : material.band_emissivities;

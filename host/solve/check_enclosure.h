@@ -1,4 +1,4 @@
-// requireMaterials() refuses enclosures that have no solution, with one line for the first fault.
+// These functions refuse enclosures that have no solution, with one line that names the first fault.
 #pragma once
 #include <viewpeel/solve.h>
 #include "solve/closed_exchange.h"
@@ -6,7 +6,7 @@
 namespace viewpeel {
 
 // Refuses materials that do not match the rows, and an open scene without an environment.
-//   In: closed: its pairs do not count
+//   In: closed: its pairs are not read
 //   Throws: Error bad_usage or bad_input, naming row and remedy.    Cost: O(rows).
 void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids);
 

@@ -13,7 +13,7 @@ namespace {
 using Eigen::VectorXd;
 using Entry = FormFactors::Entry;
 
-// An environment of this many standard errors is real: chance exceeds it once in 147,000 cases.
+// An environment larger than this many standard errors is real: a normal error exceeds it once in 147,000 cases.
 constexpr double kBeyondDoubt = 4.5;
 constexpr double kRounding = 1e-12;  // allowed in a row sum that is 1 by construction
 

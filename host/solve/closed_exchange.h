@@ -9,7 +9,8 @@
 
 namespace viewpeel {
 
-// A ClosedExchange has x_ij and x_ie of all rows. A row's lack, by which its entries miss its area, is on its diagonal.
+// A ClosedExchange has the exchange areas x_ij between all rows, and x_ie with the environment. A row's lack, by which
+// its entries miss its area, is on its diagonal.
 struct ClosedExchange {
   Eigen::SparseMatrix<double, Eigen::RowMajor> pairs;  // n x n, symmetric, the diagonal filled
   Eigen::VectorXd areas, environment;                  // of rows; environment is 0 in a closed scene

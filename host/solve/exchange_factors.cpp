@@ -1,7 +1,8 @@
-// Computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
+// This file computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
 //
-// Let r = 1 - e, S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e. Then the conductors are
-// R = e X e + Y^T Y. So R is symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
+// Let e be the diagonal matrix of emissivities, r = 1 - e, A that of areas, and X the closed exchange areas. With
+// S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e, the conductors are R = e X e + Y^T Y. So R is symmetric
+// to the last bit. Derivation: docs/solve.md, eq. (9).
 #include <viewpeel/solve.h>
 
 #include <algorithm>
@@ -59,7 +60,8 @@ FormFactors asFormFactors(const ExchangeFactors& factors, const VectorXd& to_env
   return {std::move(ids), std::move(entries), {}};
 }
 
-// Leaves out factors below the cut in both directions, and balances the others so that rows keep their sums.
+// Leaves out factors that are below the cut from either row, and balances the others so that rows keep their sums. Each
+// row keeps its largest factor.
 void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& factors) {
   const auto n = static_cast<uint32_t>(factors.names.size());
   std::vector<double> largest(n), lost(n);

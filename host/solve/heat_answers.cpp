@@ -14,7 +14,7 @@ using Eigen::VectorXd;
 
 double temperatureOf(double emissive_power) { return std::pow(emissive_power / kStefanBoltzmann, 0.25); }
 
-// Returns a temperature with its standard error: E = s T^4, so dT = dE / (4 s T^3).
+// Returns a temperature with its standard error. Since E = s T^4, dT = dE / (4 s T^3), s the Stefan-Boltzmann constant.
 Measured temperatureOf(const Measured& emissive_power) {
   const double temperature = temperatureOf(emissive_power.value);
   const double slope = 4 * kStefanBoltzmann * std::pow(temperature, 3);
@@ -61,7 +61,8 @@ class Answers {
   }
 
  private:
-  // Returns the emissive power of a row less the shift; of a reflector, which emits nothing, its radiosity.
+  // Returns the emissive power of a row less HeatState::shift, W/m2; of a reflector, which emits nothing, its radiosity
+  // less the shift.
   double powerOf(uint32_t i) const {
     const Material& material = enclosure_.materials[i];
     return material.temperature       ? emissivePower(*material.temperature) - shift_
@@ -72,7 +73,7 @@ class Answers {
     const Material& material = enclosure_.materials[i];
     return material.temperature ? material.emissivity * (powerOf(i) - h_[i]) : *material.heat_flux;
   }
-  // Returns the change of the heat flux with the irradiation, for a given temperature or heat flux.
+  // Returns the derivative of a row's heat flux with respect to its irradiation; its temperature or heat flux is given.
   double fluxSlope(uint32_t i) const {
     return enclosure_.materials[i].temperature ? -enclosure_.materials[i].emissivity : 0.0;
   }

@@ -12,11 +12,12 @@
 
 namespace viewpeel {
 
-// Returns s T^4, W/m2.    In: temperature: K
+// Returns the emissive power s T^4 of a black surface, W/m2, with the Stefan-Boltzmann constant s.
+//   In: temperature: T, K
 double emissivePower(double temperature);
 
-// Returns the emissive power that is subtracted from all others: of the environment, of the sky, or of the first given
-// temperature. Environment or sky then drop out of the equations.
+// Returns the emissive power that is subtracted from all others, W/m2: that of the environment, of the sky, or of the
+// first given temperature. Environment or sky then drop out of the equations.
 double chooseShift(bool is_open, const Enclosure& enclosure);
 
 // A HeatState has radiosities and irradiations of a grey enclosure less one emissive power, the shift, so that rows of
@@ -45,7 +46,8 @@ struct AnswerRows {
 AnswerRows answerRows(const Ids& ids, const Enclosure& enclosure);
 
 // Returns all answers but HeatSolution::steps.
-//   In: closed: its pairs do not count; errors: of irradiations; answers: what to sum; bounds: of irradiations, or none
+//   In: closed: its pairs are not read; errors: of irradiations; answers: what to sum; bounds: of irradiations by row,
+//     W/m2; may be empty
 //   Throws: Error bad_input where a row would have to emit less than nothing.
 HeatSolution answerHeat(const HeatState& state, const ClosedExchange& closed, const Outside& outside,
                         const CarriedErrors& errors, const AnswerRows& answers, const Eigen::VectorXd& bounds = {});

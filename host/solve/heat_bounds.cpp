@@ -9,7 +9,7 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr int kMostTurns = 200;
-constexpr double kRoom = 1.05;  // of the next guess beyond what the last one needed
+constexpr double kRoom = 1.05;  // the next guess is this multiple of what the last one turned out to need
 
 // Returns the largest distance from an entry's exchange area to an end of its interval.
 double widthOf(const FormFactors& measured, size_t k) {
@@ -18,7 +18,8 @@ double widthOf(const FormFactors& measured, size_t k) {
   return std::max({0.0, interval.upper - value, value - interval.lower});
 }
 
-// A Spread bounds |(X~ - X) values| in each row.
+// A Spread bounds |(X~ - X) values| in each row. X are the closed exchange areas that were measured, and X~ any that
+// lie within their intervals.
 class Spread {
  public:
   Spread(const FormFactors& measured, const ClosedExchange& closed)
@@ -69,7 +70,8 @@ VectorXd boundIrradiation(const FormFactors& measured, const ClosedExchange& clo
   for (int turn = 0; turn < kMostTurns; ++turn) {
     VectorXd bound = irradiation.solve(right_side + guess);
     if (!bound.allFinite() || bound.norm() > 1e100) break;
-    // (A - X~ R) w >= v + guess - |X~ - X| R w, which is at least v if the guess is large enough.
+    // With w = bound, (A - X~ R) w >= v + guess - |X~ - X| R w: docs/solve.md, eq. (10). This is at least v if the
+    // guess is at least |X~ - X| R w.
     const VectorXd needed = spread.of(reflectivity.cwiseProduct(bound));
     if ((needed.array() <= guess.array()).all()) return bound;
     guess = kRoom * needed;

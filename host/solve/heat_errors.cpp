@@ -99,7 +99,8 @@ double HeatErrors::standardError(const std::vector<Term>& terms) const {
                    changes.tail(changes.size() - kProbes).squaredNorm());
 }
 
-// The heat flow to a part p of the environment is sum_i x_ip (B_i - B_p), with B = source + reflectivity H.
+// The heat flow to a part p of the environment is sum_i x_ip (B_i - B_p). x_ip is row i's exchange area with the part,
+// B_p the part's emissive power, and B = source + reflectivity H the radiosities of rows.
 HeatErrors::Functional HeatErrors::environmentFlow(const VectorXd& reflectivity, Part part) const {
   const VectorXd ones = VectorXd::Ones(radiosity_.size());
   const VectorXd from_up = radiosity_ - outside_.up_power * ones, from_down = radiosity_ - outside_.down_power * ones;

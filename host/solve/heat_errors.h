@@ -18,11 +18,12 @@ class CarriedErrors {
     double factor;
   };
   virtual ~CarriedErrors() = default;
-  // Returns the standard error of sum_k factor_k H_k.
+  // Returns the standard error of sum_k factor_k H_k, with H_k the irradiation of terms[k].row.
   virtual double standardError(const std::vector<Term>& terms) const = 0;
   // A Part of the environment is the whole, or its part above or below the horizon.
   enum class Part { all, up, down };
-  // Returns the standard error of the heat flow to a part of the environment, sum_i x_ip (B_i - B_p).
+  // Returns the standard error of the heat flow to a part of the environment, W: sum_i x_ip (B_i - B_p), with x_ip row
+  // i's exchange area with part p, B_i its radiosity, and B_p the emissive power of the part.
   //   In: reflectivity: by row
   virtual double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const = 0;
 };
@@ -47,15 +48,17 @@ class HeatErrors : public CarriedErrors {
   double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const override;
 
  private:
-  // A Source is one exchange area's error. A standard error changes A_i H_i by of_i, and A_j H_j by of_j.
+  // A Source is the error of one exchange area x_ij. If x_ij is off by its standard error, A_i H_i changes by of_i, and
+  // A_j H_j by of_j: z_i and z_j of docs/solve.md, eq. (7).
   struct Source {
     uint32_t i, j;
     double of_i, of_j;
     double x_ie, x_je;  // change of the rows' exchange with the environment
   };
-  // A Functional is a sum that depends on a disturbance z as sum_k adjoint_k z_k. It also depends on each row's change
-  // of exchange with the environment, by of_environment. Exchange that moves from below the horizon to above counts by
-  // of_up.
+  // A Functional says how an answer changes with errors, to first order. A disturbance z of A H changes it by
+  // sum_k adjoint_k z_k. Until environmentError() applies the inverse, adjoint_k is the change per unit of H_k instead.
+  // of_environment is the change per unit of a row's exchange area with the environment, and of_up
+  // per unit of exchange area that moves from below the horizon to above.
   struct Functional {
     Eigen::VectorXd adjoint, of_environment, of_up;
   };
@@ -67,7 +70,8 @@ class HeatErrors : public CarriedErrors {
   Eigen::VectorXd radiosity_;
   std::vector<Source> sources_;
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse_;  // empty where probes are used
-  // Rows x kProbes, then a column for each error of the outside: its effect on H, and on x_ie.
+  // Both are rows x columns: kProbes columns, then one for each error of the outside. A column of probes_ is the effect
+  // on irradiations, and one of to_environment_ the effect on exchange areas with the environment.
   Eigen::MatrixXd probes_, to_environment_;
 };
 

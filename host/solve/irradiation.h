@@ -1,8 +1,10 @@
-// An Irradiation computes what arrives at all rows, by conjugate gradients on a symmetric positive definite matrix.
+// An Irradiation computes the irradiations H of all rows, by conjugate gradients on a symmetric positive definite
+// matrix.
 //
-// Rows reflect the share r_j of their irradiation, and X are closed exchange areas: (A - X R) H = b. With h = R^(1/2) H
-// the matrix S = A - R^(1/2) X R^(1/2) is symmetric. It is positive definite where every row exchanges, even through
-// others, with a given temperature. A form with A / r would fail for r = 0. Derivation: docs/solve.md, eq. (4) and (5).
+// Rows reflect the shares R of their irradiation. With areas A and closed exchange areas X, (A - X R) H = b. With
+// h = R^(1/2) H the matrix S = A - R^(1/2) X R^(1/2) is symmetric. It is positive definite where every row exchanges,
+// even through others, with a given temperature. A form with A / R would fail for R = 0. Derivation: docs/solve.md,
+// eq. (4) and (5).
 #pragma once
 #include <Eigen/Dense>
 
@@ -17,7 +19,7 @@ class Irradiation {
   Irradiation(const ClosedExchange& closed, const Eigen::VectorXd& reflectivity);
 
   // Returns the solution H of (A - X R) H = b.
-  //   In: b: by row, W per unit of irradiation    Out: H, by row
+  //   In: b: by row, W    Out: H, by row, W/m2
   //   Error: the residual of S h is below 1e-14 of the sizes of its terms. Tests: tests/unit/solve_heat_test.cpp.
   //   Throws: Error limit where conjugate gradients do not converge.
   //   Cost: some dozens of products of X.

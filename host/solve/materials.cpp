@@ -69,7 +69,8 @@ class LineFinder {
   std::vector<bool> is_used_;
 };
 
-// Returns which of two lines counts for a face: the line with the face's name, else its surface's name, else the later.
+// Returns which of two lines counts for a face: the line with the face's name, else with its surface's name, else the
+// later line, both of which have wildcards.
 const Line* stronger(const Line* of_face, const std::string& face, const Line* of_surface, const std::string& surface) {
   if (!of_face || !of_surface) return of_face ? of_face : of_surface;
   if (of_face->name == face) return of_face;
@@ -84,7 +85,7 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   std::vector<const Line*> of_surface;
   of_surface.reserve(surface_names.size());
   for (const std::string& name : surface_names) of_surface.push_back(finder.find(name));
-  // Lines may name empty rows, too.
+  // Lines may name empty rows, too, so that these lines count as used.
   for (const EmptyRow& empty : ids.empty_rows) finder.find(empty.name);
 
   Enclosure enclosure{.materials = {},

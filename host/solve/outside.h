@@ -1,5 +1,4 @@
-// An Outside is the surroundings of an open scene: one environment, or sky and ground, black, at given
-// temperatures.
+// An Outside is the surroundings of an open scene: one environment, or sky and ground, black, at given temperatures.
 #pragma once
 #include <functional>
 #include <vector>

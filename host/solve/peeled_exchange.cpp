@@ -17,10 +17,10 @@ namespace {
 using Eigen::VectorXd;
 using Outside = ExchangeProducts::Outside;
 
-// A polygon of the median area has this many spacings to its side. With half as many, errors double while the time
-// halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
+// A square of the median area of polygons has this many spacings to its side. With half as many, errors double while
+// the time halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
 constexpr double kSpacingsPerSide = 2;
-constexpr double kBeyondDoubt = 4.5;  // as closeRows
+constexpr double kBeyondDoubt = 4.5;  // standard errors of an environment that is real, as in closeRows
 
 }  // namespace
 
@@ -110,7 +110,7 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   given_ = with_pairs + closed_.environment;
   closed_.largest_lack = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
-    // A line between two polygons of one row leaves the row at both of its ends.
+    // A line between two polygons of one row leaves the row at both of its ends, so that it counts twice.
     const double own = 2 * outside[static_cast<size_t>(i)].own * of_count / kProductReplicateCount;
     const double lack = 1 - (given_[i] + own) / closed_.areas[i];
     if (std::abs(lack) > std::abs(closed_.largest_lack))

@@ -1,4 +1,5 @@
-// The exchange areas of a scene as an operator on vectors: each product peels the same directions again.
+// A PeeledExchange multiplies the exchange areas of a scene by vectors, without a matrix: each product peels the same
+// directions again. Derivation: docs/solve.md, eq. (14).
 #pragma once
 #include <functional>
 #include <memory>
@@ -35,18 +36,20 @@ class PeeledExchange {
   //   Throws: Error bad_input where more than kGrazingShare of all radiation ends on backs.
   void draw(uint32_t directions, uint64_t round);
 
-  // Returns areas, environment and lack of all rows; without pairs.
+  // Returns areas, environment and lack of all rows; its matrix of pairs is empty.
   const ClosedExchange& closed() const { return closed_; }
-  // Returns the share of the part above in each row's exchange with the environment, 1/2 where it has none.
+  // Returns the share of the part above the horizon in each row's exchange with the environment; 1/2 where a row has no
+  // such exchange.
   const Eigen::VectorXd& upShare() const { return up_share_; }
-  // Returns what each row exchanges with all others and the environment, A_i - x_ii.
+  // Returns what each row exchanges with all others and the environment: A_i - x_ii, input units squared.
   const Eigen::VectorXd& given() const { return given_; }
 
-  // Returns X v for each column, X being closed by what rows lack: docs/solve.md, eq. (3).
+  // Returns X v for each column v, where X holds all exchange areas, and the lack of rows on its diagonal:
+  // docs/solve.md, eq. (3).
   //   Error: as ExchangeProducts::multiply.    Cost: one sweep of all directions.
   Columns multiply(const Columns& v);
 
-  // A Part is one replicate's exchange, open: without the diagonal.
+  // A Part is the exchange of one replicate alone, without the diagonal that closes rows.
   struct Part {
     Columns products;          // sum_j x_ij v_j
     Eigen::VectorXd up, down;  // exchange with the parts of the environment; 0 in a closed scene

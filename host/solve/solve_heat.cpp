@@ -30,7 +30,7 @@ HeatSolution solveGrey(const FormFactors& form_factors, const Enclosure& enclosu
   state.take(irradiation.solve(closed.pairs * state.source + closed.environment.cwiseProduct(outside.power)));
   const HeatErrors errors(form_factors, closed, irradiation, state.radiosity, outside);
   VectorXd bounds;
-  // Bounds on answers need an interval for every pair: pairs without an entry must be 0.
+  // Bounds on answers need an interval for every pair, so pairs without an entry must be known to be 0.
   if (form_factors.hasIntervals() && form_factors.unlistedBound() == 0)
     bounds = boundIrradiation(form_factors, closed, irradiation, state.radiosity);
   HeatSolution found = answerHeat(state, closed, outside, errors, answerRows(ids, enclosure), bounds);

@@ -1,7 +1,7 @@
-// Solves the grey enclosure without a matrix: docs/solve.md, eq. (1) to (6) and (14).
+// This file solves the grey enclosure without a matrix: docs/solve.md, eq. (1) to (6) and (14).
 //
-// All replicates' directions together make one symmetric operator, for which the enclosure is solved once. How far the
-// answers are off follows from each replicate's exchange beside that of all, with the same operator, in first order.
+// All replicates' directions together make one symmetric operator, for which the enclosure is solved once. How far each
+// replicate's exchange differs from the exchange of all gives the errors of the answers, to first order.
 // Replicates are not solved each alone: the bias of a solution, which is of second order, would be 8 times as large,
 // and a small polygon that no line of a replicate meets would leave its equations without a solution.
 #include <viewpeel/matrix_free.h>
@@ -23,9 +23,9 @@ namespace {
 using Eigen::VectorXd;
 
 constexpr double kBytesOfPair = 80;      // counters, form factors with their errors, and the equations; an estimate
-constexpr double kErrorResidual = 1e-3;  // of standard errors, as a share of them
+constexpr double kErrorResidual = 1e-3;  // relative residual of the equations for standard errors
 constexpr uint32_t kMostSteps = 10'000, kMostDirections = 1 << 16, kScarceRounds = 2;
-// Errors of answers fall at least so with the number of directions; the next number aims at less than the tolerance.
+// Errors of answers are taken to fall as N^-0.6 with N directions. The next N aims at this share of the tolerance.
 constexpr double kExponent = 0.6, kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 16;
 
 struct Stopped {
@@ -43,8 +43,8 @@ class Preconditioned {
     scale_ = diagonal_.unaryExpr([](double value) { return value > 0 ? 1 / value : 0.0; });
   }
 
-  // Returns H of (A - X R) H = b.
-  //   In: g: the first guess of R^(1/2) H, replaced by the solution
+  // Returns the irradiations H of (A - X R) H = b, with the right side b, the areas A, and the reflectivities R.
+  //   In: h: a first guess of R^(1/2) H, which the solution replaces
   Columns solve(const Columns& b, double residual, Columns& h) {
     const Columns right_side = root_.asDiagonal() * b;
     findRoots(right_side, residual, h);
@@ -95,7 +95,8 @@ class Preconditioned {
   uint32_t steps_ = 0;
 };
 
-// ReplicateErrors have a column for each replicate: how far it moves the irradiations, over the root of R (R - 1).
+// ReplicateErrors have a column for each of R replicates: how far irradiations move if its exchange replaces that of
+// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance.
 class ReplicateErrors : public CarriedErrors {
  public:
   ReplicateErrors(PeeledExchange& exchange, const HeatState& state, const Outside& outside, Preconditioned& solver)
@@ -203,7 +204,8 @@ class MatrixFreeSolver {
     if (observer_.on_progress) observer_.on_progress(exchange_->productCount() + 1, done, all, reached_);
   }
 
-  // Finds a row of given heat flux that has no way to a temperature, by products with what is known to have one.
+  // Finds a row of given heat flux that exchanges, even through other rows, with nothing of a given temperature. A
+  // vector is 1 for rows that are known to do so, and products with it find further ones.
   std::optional<uint32_t> findRowWithoutReference() {
     const Eigen::Index n = exchange_->closed().areas.size();
     requireMaterials(exchange_->closed(), enclosure_, ids_);
@@ -252,7 +254,7 @@ class MatrixFreeSolver {
     found_.directions = exchange_->directionCount();
     found_.sweeps = exchange_->sweeps();
     found_.resolution = exchange_->resolution();
-    // Conjugate gradients of all replicates at once have six sets of vectors.
+    // Conjugate gradients for all replicates at once keep six vectors for each.
     found_.memory_bytes = exchange_->memoryBytes() + 6 * kProductReplicateCount * sizeof(double) * split_.ids.count();
     found_.seconds = secondsSince(start_);
     reached_ = largestHeatError(found_.heat, request_.tolerance.of);

@@ -15,7 +15,8 @@ inline std::vector<std::vector<uint32_t>> rowsOfSurfaces(const Ids& ids, size_t 
   return rows;
 }
 
-// Sets the sum of all heat flows, of rows and to the environment, which ought to be 0.
+// Sets balance_residual, the sum of all heat flows, which ought to be 0, and heat_flow_total, half the sum of their
+// sizes. The heat flow to the environment counts with the opposite sign.
 inline void balance(HeatSolution& found) {
   double flow = -found.to_environment.value;
   found.heat_flow_total = std::abs(found.to_environment.value) / 2;

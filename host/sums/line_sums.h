@@ -106,7 +106,7 @@ class LineSums {
   // pairs with backs. They are sorted, and in input units squared.
   //   Error: docs/method.md, eq. (47); bench/programs/coverage.cpp measures how often intervals hold the truth.
   std::vector<FormFactors::Entry> entries() const;
-  // Returns the same by the result's rows: between faces, or added up between surfaces.
+  // Returns the exchange areas of entries() by the rows of the result: between faces, or added up between surfaces.
   std::vector<FormFactors::Entry> entriesOfResult() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;

@@ -192,7 +192,7 @@ VisibilitySums::Found PriorSums::find(double measure_area, double count_area, co
   VisibilitySums::Found found =
       by_face_.find(prior_.pairs, prior_.lines, measure_area, count_area, counted.rowSums(), sampled,
                     neighbours ? &*neighbours : nullptr, neighbours ? row : ExchangeRow{});
-  // The prior has all directed pairs, so `found` has entries for them. Their indices:
+  // The prior has all directed pairs, so `found` has entries for them; `measured` lists the indices of these entries.
   std::vector<uint32_t> measured;
   for (const FormFactors::Entry& directed : directedEntries()) {
     const auto at = std::ranges::lower_bound(found.entries, keyOf(directed), {}, keyOf<FormFactors::Entry>);

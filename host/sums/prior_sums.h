@@ -55,7 +55,7 @@ class PriorSums {
   //   Throws: as takeControlVariates.    Cost: O(n log n) for n counts.
   void add(const PairCounts& counts, const PairCounts& directed);
   // Returns the pairs of faces that are not in the prior, with a facing line and `least_lines` lines or more, facing or
-  // blocked. Their exchange areas are 0 still.
+  // blocked. Their unoccluded exchange areas are not known yet, and are set to 0.
   std::vector<PairPrior> pairsOutsidePrior(uint64_t least_lines = 0) const;
   // Adds pairs to the prior, with the unoccluded exchange areas that the caller has computed.
   //   In: pairs: sorted by (i, j), none of them in the prior

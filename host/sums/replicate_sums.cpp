@@ -22,7 +22,7 @@ void ReplicateSums::add(const PairCounts& counts) {
   const auto addTo = [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); };
   const auto is_seen = [](const PairCount& count) { return count.count > 0; };
   if (std::all_of(counts.begin(), counts.end(), is_seen)) return addPairs(pairs_, counts, addTo);
-  PairCounts seen;  // the pairs of which any line is facing
+  PairCounts seen;  // the counts of pairs with a facing line
   std::copy_if(counts.begin(), counts.end(), std::back_inserter(seen), is_seen);
   addPairs(pairs_, seen, addTo);
 }

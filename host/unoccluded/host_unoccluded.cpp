@@ -91,7 +91,8 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// Returns the inner integral over the edge q, for one point of p. It is of 1 + ln r.
+// Returns the inner integral of docs/method.md, eq. (38), over the edge q, for one point of p. The integrand is
+// 1 + ln r in place of ln r, which saves terms: the 1 adds up to nothing around a polygon.
 //   In: from: the point less the start of q; direction: unit vector along q
 //   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
 double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
@@ -388,7 +389,7 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork&
 
 HostUnoccluded::Found HostUnoccluded::findClosely(const SidePair& pair, UnoccludedWork& work) const {
   const Found found = find(pair, Lines::parallel_closed, work);
-  // Slivers exchange less than rounding leaves of the closed forms' large terms.
+  // Slivers exchange less than the rounding of the closed forms' large terms, so that rules are better for them.
   if (found.error <= kUnoccludedRelativeError * found.area) return found;
   return find(pair, Lines::by_rules, work);
 }

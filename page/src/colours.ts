@@ -36,7 +36,7 @@ function fromOklab([lightness, a, b]: Colour): Colour {
   return linear.map((x) => 255 * Math.min(1, Math.max(0, x <= 0.0031308 ? 12.92 * x : 1.055 * x ** (1 / 2.4) - 0.055))) as Colour;
 }
 
-// Returns a ramp of 256 colours with equal distances.
+// Returns a ramp of 256 colours along the stops, with equal distances in Oklab from one colour to the next.
 function makeRamp(hexes: string[]): Colour[] {
   const stops = hexes.map((hex) => toOklab(parse(hex)));
   const lengths = [0];

@@ -17,7 +17,7 @@ interface Head {
   is_rounded: boolean;
   middle: [number, number, number];
   picture_size: number;
-  // Error bounds where there are intervals, else standard errors.
+  // `errors` is a histogram over powers of ten: of error bounds where there are intervals, else of standard errors.
   errors: { first: number; step: number; without: number; largest: number | null; rms: number | null; bins: number[] };
   columns: { name: string; unit: string }[];
   arrays: { name: string; type: keyof typeof TYPES; count: number }[];
@@ -85,7 +85,7 @@ export class Contents {
     return texts;
   }
 
-  // Reads which entries belong to which row.
+  // Reads the tables that locate a row's entries: the first row of each block, and the number of each row's first entry.
   async open(): Promise<void> {
     this.firstRows = await this.integers('first_row');
     this.starts = await this.integers('start');

@@ -2,7 +2,7 @@
 
 const SLOW_MS = 1000 / 30; // a frame that takes longer is slow
 const FRAMES = 4; // number of frames whose mean time is judged
-const STEP = 0.75, LEAST = 0.3; // factor of the share at a change; least share
+const STEP = 0.75, LEAST = 0.3; // a change multiplies the share by STEP, down to LEAST
 const PAUSE_MS = 250; // a longer time between two frames is a pause of the user
 
 // A Pace chooses which share of a scene's pixels is drawn, across and down, while the scene moves.

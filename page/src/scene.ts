@@ -162,7 +162,7 @@ export class Scene {
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement as Element);
   }
 
-  // Colours all polygons.    In: colourOf(polygon)
+  // Colours all polygons.    In: colourOf: returns the colour of a polygon, given its index
   paint(colourOf: (polygon: number) => Colour): void {
     const bytes = this.tints.array, { firstCorner } = this.shapes;
     for (let polygon = 0; polygon + 1 < firstCorner.length; ++polygon) {
@@ -233,6 +233,7 @@ export class Scene {
   }
 
   // Returns where the camera must look, and from which distance, to see every corner with the scene in the middle.
+  //   In: side: unit vector from the scene to the camera
   private placeToSeeAll(side: Vector3): { middle: Vector3; distance: number } {
     const right = this.camera.up.clone().cross(side).normalize(), over = side.clone().cross(right);
     const tall = 0.88 * Math.tan((this.camera.fov * Math.PI) / 360), wide = tall * this.camera.aspect;

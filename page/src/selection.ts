@@ -1,4 +1,4 @@
-// A Selection is a row, or all rows of a surface together.
+// This file selects rows of the matrix, one row or all rows of a surface together, and adds up their form factors.
 import type { Contents, Row } from './contents';
 
 export interface Rows {
@@ -32,7 +32,8 @@ export function boundsOf({ formFactor, lower, upper }: Selection): Float64Array 
   return lower && upper && formFactor.map((value, row) => Math.max(value - lower[row], upper[row] - value));
 }
 
-// Selects rows and adds up their form factors: F_Ij = sum over i in I of A_i F_ij / A_I. Errors add up to upper bounds.
+// Selects rows and adds up their form factors: F_Ij = sum over i in I of A_i F_ij / A_I, with A_I the sum of the A_i.
+// The same sum of standard errors bounds the standard error of F_Ij, whatever the correlation of the F_ij.
 export async function select(contents: Contents, rows: Rows, chosen: number[], name: string): Promise<Selection> {
   const count = rows.names.length;
   const area = chosen.reduce((sum, row) => sum + rows.areas[row], 0);

@@ -13,13 +13,13 @@ using Serve = std::function<void(Ranks& ranks)>;
 // A Job is the program's part in an MPI job. Without one the program is alone, and MPI is not started.
 struct Job {
   Ranks* ranks = nullptr;  // nullptr: the program is alone
-  Serve serve;             // of the command; empty: rank 0 does it alone
+  Serve serve;             // the command's work on ranks above 0; empty: rank 0 does it alone
 
   bool isServer() const { return ranks && ranks->rank() > 0; }
 };
 
 // Joins the job by which mpirun, mpiexec or srun has started this process.
-//   Out: nullptr where nothing has, or the job has one rank
+//   Out: nullptr where no launcher has started this process, or where the job has one rank
 //   Throws: Error bad_usage where the program is built without MPI.
 std::unique_ptr<Ranks> joinJob();
 

@@ -13,7 +13,7 @@ inline long launchedRanks() {
   return 1;
 }
 
-// Returns the number of this process among them.
+// Returns the rank of this process, from 0, in the job by which it was started; 0 where it was started alone.
 inline long launchedRank() {
   for (const char* name : {"OMPI_COMM_WORLD_RANK", "PMI_RANK", "PMIX_RANK"})
     if (const char* rank = std::getenv(name)) return std::strtol(rank, nullptr, 10);

@@ -44,7 +44,7 @@ struct HeldHeat {
 };
 
 // Makes the Python object of a run's result.
-//   In: parameters: as a file of the result would have them
+//   In: parameters: names and values, as a file of the result would store them
 std::shared_ptr<HeldResult> hold(const HeldScene& held, Result result,
                                  std::vector<std::pair<std::string, std::string>> parameters);
 
@@ -97,8 +97,8 @@ py::array_t<T> arrayOf(std::vector<T> values) {
 // Returns the values and the standard errors of measured numbers.
 std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Measured>& measured);
 
-// Makes a column of a result.    In: of_ids: of the rows that are not empty
-//   Out: (values, standard errors) of all rows
+// Makes a column of a result.    In: of_ids: a value for each nonempty row, by id
+//   Out: (values, standard errors), one each for every row of the scene; 0 for empty rows
 py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids);
 
 void addScene(py::module_& module);

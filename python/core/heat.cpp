@@ -22,7 +22,7 @@ std::shared_ptr<HeldHeat> solve(const std::shared_ptr<HeldResult>& result, const
 }
 
 // Computes form factors until the answers' standard errors are below the tolerance.
-//   In: unit: K, W/m2 or %
+//   In: unit: K, W/m2, or % of all heat
 //   Out: ((answers, whether the tolerance was reached), None), or (None, the exception that stopped the run)
 py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const MaterialTable& materials, double tolerance,
                   const std::string& unit, const py::object& tick) {

@@ -16,7 +16,8 @@ std::shared_ptr<const SparseRows> rowsOf(HeldResult& held) {
   return held.rows;
 }
 
-// Returns row starts, in the columns' type where it is wide enough, for SciPy wants both alike.
+// Returns the index of each row's first entry, for SciPy's csr_array. It has the integer type of the column indices, as
+// SciPy wants, unless there are too many entries for this type.
 py::array startsOf(const std::shared_ptr<const SparseRows>& rows) {
   if (rows->starts.back() > std::numeric_limits<int32_t>::max()) return viewOf(rows->starts, rows);
   return arrayOf(std::vector<int32_t>(rows->starts.begin(), rows->starts.end()));

@@ -31,7 +31,7 @@ py::dict dictOf(const Progress& progress) {
   return all;
 }
 
-// A Watched is shared by the running and the waiting thread.
+// A Watched is what the thread that computes and the thread that waits for it share.
 struct Watched {
   std::atomic<bool> is_stopped = false;
   std::mutex mutex;  // protects the members below

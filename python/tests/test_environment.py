@@ -1,4 +1,4 @@
-"""The environment alone, its parts above and below the horizon, and bounds of the environment."""
+"""These tests measure the environment alone, its parts above and below the horizon, and bounds of the environment."""
 
 import os
 import signal
@@ -17,7 +17,8 @@ class EnvironmentAlone(unittest.TestCase):
         found = viewpeel.environment((PLATE_POINTS, PLATES, ["floor", "ceiling"]), tolerance=3e-4)
         self.assertEqual(found.names, ["floor", "ceiling"])
         self.assertTrue(found.is_reached)
-        # Student's t of 7 degrees of freedom is above 7 once in 4,700; the seed is fixed.
+        # Errors of 8 replicates follow Student's t of 7 degrees of freedom, which exceeds 7 in size once in 4,700 cases.
+        # The seed is fixed. Each plate sees the other, or else one half of the environment: up or down.
         for values, errors, truth in (
             (found.environment, found.environment_standard_errors, [1 - PLATES_F, 1 - PLATES_F]),
             (found.up, found.up_standard_errors, [1 - PLATES_F, 0]),
@@ -30,6 +31,7 @@ class EnvironmentAlone(unittest.TestCase):
     def test_another_way_up_and_surfaces(self):
         found = viewpeel.environment(scene_file("street.obj"), by="surface", up=(0, 2, 0), tolerance=1e-2, seed=3)
         self.assertEqual(len(found), 20)
+        # The environment is counted as the sum of both parts, so that only rounding of numbers below 1 differs.
         numpy.testing.assert_allclose(found.up + found.down, found.environment, atol=1e-14)
         frame = found.to_frame()
         self.assertEqual(list(frame.columns)[:4], ["name", "area", "environment", "environment_standard_error"])
@@ -74,7 +76,9 @@ class Bounds(unittest.TestCase):
 
 
 class Buildings(unittest.TestCase):
-    # Computes one zone of a building, and the building from outside, as the program does by --zone and --outside.
+    """These tests compute one zone of a building, and the building from outside, as the program does by --zone and
+    --outside."""
+
     BUILDING = os.path.join(SOURCE, "tests", "fuzz", "seeds", "idf", "rooms.idf")
 
     def test_zones_and_outside(self):

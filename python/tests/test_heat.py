@@ -16,7 +16,9 @@ SIGMA = 5.670374419e-8
 
 class Heat(unittest.TestCase):
     def test_two_black_plates_in_the_open(self):
-        """q_1 = s (T_1^4 - F T_2^4 - (1 - F) T_e^4); F is exact to 1e-7."""
+        """Black plates have q_1 = s (T_1^4 - F T_2^4 - (1 - F) T_e^4). An error of F of 2e-7, 1e-6 of F, moves q_1 by
+        less than 2e-7 s T_1^4.
+        """
         materials = {"low": {"temperature": 400.0}, "high": {"temperature": 300.0}}
         heat = viewpeel.solve((PLATE_POINTS, PLATES, ["low", "high"]), materials, environment=250.0)
         expected = SIGMA * (400**4 - PLATES_F * 300**4 - (1 - PLATES_F) * 250**4)
@@ -32,11 +34,15 @@ class Heat(unittest.TestCase):
             viewpeel.solve(result, materials).save(ours)
             subprocess.run([PROGRAM, "solve", "--from-result", checkpoint, "--materials", materials, "--quiet", "-o", theirs,
                             scene_file("office.obj")], check=True)  # fmt: skip
+            # Both solve the equations to 1e-11 of the largest radiosity less s T_0^4, which is below s 400^4 here. Two
+            # such errors add up, and answers sum over radiosities: a hundred times as much is allowed.
             a, b = (numpy.genfromtxt(file, delimiter=",", skip_header=1)[:, 1:] for file in (ours, theirs))
             numpy.testing.assert_allclose(a, b, rtol=1e-9, atol=1e-9 * SIGMA * 400**4)
 
     def test_bounds_hold_the_answers(self):
-        """A guarantee bounds every answer: 5 standard errors of an estimate overlap the bounds, and twice the answer does not."""
+        """Bounds of a guarantee hold the true answer, and so do 5 standard errors around an estimate: the two overlap.
+        The seed is fixed. Negative control: twice the answer is outside the bounds of some row.
+        """
         scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
         bounded = viewpeel.solve(scene, materials, epsilon=2e-2)
         estimate = viewpeel.solve(scene, materials, tolerance="0.5%")
@@ -60,7 +66,9 @@ class Heat(unittest.TestCase):
             viewpeel.solve(scene, materials, tolerance="1%", colour=1)
 
     def test_ctrl_c_says_interrupted(self):
-        """Runs to a tolerance of the answers have no result then; others have that of their form factors."""
+        """A run to a tolerance of the answers that Ctrl-C stops has no result. A run with another goal has the form
+        factors that were counted so far.
+        """
 
         def stop(progress):
             if progress["replicates"] >= wanted:

@@ -83,7 +83,8 @@ class Running(unittest.TestCase):
         took = time.monotonic() - begun
         is_over.set()
         other.join()
-        # A thread without the lock would tick once or twice; an unloaded machine gives it a hundred ticks a second.
+        # If the run kept the interpreter's lock, the other thread would tick once or twice. It sleeps 0.01 s between
+        # ticks, and so makes up to 100 a second; a tenth of that leaves room for a loaded machine.
         self.assertGreater(len(ticks), 10 * took)
 
     def test_two_runs_at_once_have_the_bits_of_one(self):

@@ -1,4 +1,4 @@
-"""Types of the compiled part. It is no interface of its own: viewpeel's functions are."""
+"""Declares the types of the compiled part. Users call viewpeel's functions, not this module."""
 
 from typing import Any, Callable, Optional, Sequence, Union
 

@@ -9,7 +9,7 @@ import numpy
 if TYPE_CHECKING:
     from ._result import Result
 
-_MOST_CELLS = 1000  # across the picture; with more rows a cell shows the largest of several form factors
+_MOST_CELLS = 1000  # cells across the picture; with more rows a cell shows the largest of several form factors
 _MOST_NAMES = 25
 
 

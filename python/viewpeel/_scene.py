@@ -15,7 +15,9 @@ _MESHIO_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9"
 
 
 class Polygons:
-    """Polygons as flat arrays: corners of polygon k are corners[starts[k]:starts[k + 1]], indices of points."""
+    """Holds m polygons as flat arrays. points: n x 3 float64; corners: indices of points, int64; starts: m + 1 int64, so
+    that polygon k has corners[starts[k]:starts[k + 1]]; surfaces: m indices of surface_names, int64.
+    """
 
     def __init__(self, points: Any, corners: Any, starts: Any, names: Optional[Sequence[str]], title: str):
         self.points = numpy.ascontiguousarray(points, dtype=numpy.float64)
@@ -36,7 +38,7 @@ class Polygons:
 
 
 def _flatten(polygons: Any) -> tuple[Any, Any]:
-    """Corners and starts of an n x k array, or of sequences of any lengths."""
+    """Returns corners and starts, as Polygons has them, of an n x k array or of sequences of any lengths."""
     if isinstance(polygons, numpy.ndarray) and polygons.ndim == 2:
         count, corner_count = polygons.shape
         return polygons.reshape(-1), numpy.arange(count + 1) * corner_count
@@ -55,7 +57,9 @@ def _from_arrays(scene: Sequence[Any]) -> Polygons:
 
 
 def _from_meshio(mesh: Any) -> Polygons:
-    """Triangles and quadrilaterals; surfaces are cell sets, else physical groups, else one."""
+    """Makes polygons of a mesh's triangles and quadrilaterals. Surfaces are its cell sets, else its physical groups;
+    without either all polygons are one surface.
+    """
     tags = {int(value[0]): name for name, value in (mesh.field_data or {}).items()}
     physical = mesh.cell_data.get("gmsh:physical")
     parts, starts, names = [], [0], []
@@ -95,7 +99,9 @@ def _from_trimesh(mesh: Any) -> Polygons:
 
 
 def _from_vtk(mesh: Any) -> Polygons:
-    """pyvista.PolyData and vtkPolyData; surfaces are a cell array of texts called surface, group or name."""
+    """Makes polygons of pyvista.PolyData and vtkPolyData. Surfaces are named by a cell array of texts called surface,
+    group or name.
+    """
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     if mesh.GetNumberOfStrips() or mesh.GetNumberOfPolys() != mesh.GetNumberOfCells():

@@ -16,8 +16,7 @@ constexpr double kFarDistance = 4;           // distance of the mean corners ove
 // singular. A far pair's logarithms cancel, so there F = 1/A int_a int_b cos cos / (pi r^2) by product Gauss rules.
 // A polygon that reaches behind the other's plane is clipped to its front first; A stays the whole a's area.
 //   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit; interiors
-//   disjoint.
-//       They may share an edge, a corner, a part of an edge, or all but touch.
+//     disjoint. They may share an edge, a corner, a part of an edge, or all but touch.
 //   Out: F from a to b, 1; 0 where one lies behind, or within rounding of, the other's plane.
 //   Error: kContourError absolute; for pairs farther apart than kFarDistance also kFarRelativeError relative. Two rules
 //     are compared, and their difference estimates the error of the worse one. The corners are taken as exact: the

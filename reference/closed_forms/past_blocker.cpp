@@ -61,7 +61,8 @@ void addEdgeCornerPlanes(const ConvexPolygon& with_edges, const ConvexPolygon& w
 // which a rule with points further apart does not see. Cuts along the foot, at distances that grow from the height on,
 // make it visible.
 void addCutsUnderLowEdges(const ConvexPolygon& polygon, const HalfSpace& front_a, std::vector<HalfSpace>& planes) {
-  constexpr long double kLow = 1e-2L, kNegligible = 1e-9L, kGrowth = 8;  // a layer that thin holds that little of a
+  // Edges higher than kLow need no cuts. Below kNegligible the part of a near the foot is too small to matter.
+  constexpr long double kLow = 1e-2L, kNegligible = 1e-9L, kGrowth = 8;
   for (size_t k = 0; k < polygon.size(); ++k) {
     const Vec3 &p = polygon[k], &q = polygon[(k + 1) % polygon.size()];
     const long double height = std::max(front_a.depth(p), front_a.depth(q));

@@ -5,7 +5,7 @@
 
 namespace viewpeel::reference {
 
-// An Approximation is a number and a bound on its error.
+// An Approximation is a number with a bound on its error, or an estimate of it.
 struct Approximation {
   double value = 0;
   double error = 0;  // bound or estimate, according to the function that returns it

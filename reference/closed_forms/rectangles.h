@@ -21,9 +21,8 @@ struct Interval {
 //   Throws: Error bad_input (an empty interval, a distance that is not positive).
 //   Cost: 16 terms.
 //   Source: J. R. Ehlert & T. F. Smith, View factors for perpendicular and parallel rectangular plates, J.
-//   Thermophysics
-//           and Heat Transfer 7(1), 1993, 173-174; J. R. Howell, A Catalog of Radiation Heat Transfer Configuration
-//           Factors, C-13.
+//     Thermophysics and Heat Transfer 7(1), 1993, 173-174; J. R. Howell, A Catalog of Radiation Heat Transfer
+//     Configuration Factors, C-13.
 double parallelRectangles(Interval x, Interval y, Interval xi, Interval eta, double distance);
 
 // Returns F from the rectangle x by y in the plane z = 0 to the rectangle y = eta, z = zeta in the plane x = 0, fronts

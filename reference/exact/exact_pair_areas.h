@@ -72,8 +72,8 @@ struct ExactOptions {
 //     rounding do no harm.
 //   A polygon whose plane contains u, or whose projection has no area, contributes nothing. Corners that rounding makes
 //     reflex in the projection are replaced by their convex hull.
-//   Blocked areas are the same integral. Along an edge of polygon P they change for its pairs with all layers but X and
-//     Y, on the inner side. They change, too, for the pair (X, Y), which P parts there.
+//   Blocked areas are the same integral. Let X and Y be the layers next below and above polygon P along an edge of P.
+//     On the inner side of the edge P has blocked pairs with all layers but X and Y, and parts the pair (X, Y).
 //   In: scene in unit-ball units, polygons convex, interiors disjoint up to options.touching_depth; u finite, not zero,
 //     of any length, taken as an exact rational vector.
 //   Out: pairs in unit-ball units squared. Zero areas are left out; with Arithmetic::bounded also areas not above their

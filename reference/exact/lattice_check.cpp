@@ -26,7 +26,8 @@ struct Region {
 };
 using Regions = std::map<Key, Region>;
 
-// Returns regions by id: regions of polygons with one id add up. Their perimeters bound the union's.
+// Returns regions by id: areas and perimeters of polygons with one id add up. The sum of perimeters is a bound on the
+// perimeter of their union.
 Regions exactRegions(const Scene& scene, const Ids& ids, bool blocked, const glm::dvec3& u) {
   Regions regions;
   ExactOptions options;

@@ -69,7 +69,7 @@ class Projection {
   int axis() const { return axis_; }
   long exponent() const { return exponent_; }
 
-  // Returns the area in P(u) of a unit of twice the area in `rounded` coordinates. Error: 4 ulp.
+  // Returns the factor that makes twice an area in `rounded` coordinates an area in P(u).    Error: 4 ulp.
   double areaFactor() const;
 
   // Returns the distance in P(u) of two vertices. Error: a few ulp of the coordinates.

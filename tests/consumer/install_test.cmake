@@ -1,4 +1,5 @@
-# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. The library's one call and the program write the same bytes.
+# Installs the build into an empty folder, builds the program in tests/consumer against it, and runs it. The library's
+# one call and the program have to write the same bytes.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 function(run)
@@ -50,7 +51,8 @@ endif()
 separate_arguments(plan)
 run(${WORK}/installed/bin/viewpeel compute ${SCENE} ${plan} --tolerance 1e-3 -o ${WORK}/program.csv)
 run(${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/program.csv)
-# So does the program without a goal: this scene is sampled by lines of pairs, which no measured time decides about.
+# Without any options the program writes the same bytes, too. This scene is sampled by pair lines, whose plan does not
+# depend on measured times.
 run(${WORK}/installed/bin/viewpeel compute ${SCENE} -o ${WORK}/default.csv)
 run(${CMAKE_COMMAND} -E compare_files ${WORK}/consumer.csv ${WORK}/default.csv)
 # Negative control: another seed gives another result.

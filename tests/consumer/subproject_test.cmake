@@ -1,4 +1,5 @@
-# Takes the library into another project, on a machine without CGAL, CLI11, GoogleTest and Embree, and checks which targets would be built.
+# Takes the library into another project, on a machine without CGAL, CLI11, GoogleTest and Embree, and checks which
+# targets would be built.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK}/parent)
 file(WRITE ${WORK}/parent/CMakeLists.txt "cmake_minimum_required(VERSION 3.25)
