@@ -1,6 +1,6 @@
 // This bench tests `--tolerance T`: it counts the seeds with an error above T in any form factor, environment and leak
 // included. It prints CSV on stdout.
-//   largest_error [--scene office|room|street|city1000|two_sided|touching|office9280|city19572|room39936]...
+//   largest_error [--scene office|room|street|city1000|two_sided|touching|office9280|city10000|city19572|room39936]...
 //     [--tolerance T]... [--seeds K] [--finer K]
 //
 // The truth is one run of each scene at T / 20, or as --finer says, with another seed, and reference_error is its
@@ -40,6 +40,7 @@ Scene makeScene(const std::string& name) {
   if (name == "room39936") return buildScene(roomWithBoxes(8));
   if (name == "office9280") return buildScene(refined(loadScene(VIEWPEEL_SOURCE "/scenes/office.obj"), 4));
   if (name == "city19572") return buildScene(city(19'760));
+  if (name == "city10000") return buildScene(triangulatedCity(10'000).scene);
   if (name == "city1000") return buildScene(triangulatedCity(1000).scene);
   if (name == "two_sided") return buildScene(randomTriangles(200));
   return buildScene(test_scenes::roomWithTouchingBoxes());
@@ -122,8 +123,8 @@ int main(int argc, char** argv) {
   viewpeel::bench::Options options;
   CLI::App app("Counts the seeds whose largest true error is above the tolerance.");
   app.add_option("--scene", options.scenes)
-      ->check(CLI::IsMember(
-          {"office", "room", "street", "city1000", "two_sided", "touching", "office9280", "city19572", "room39936"}));
+      ->check(CLI::IsMember({"office", "room", "street", "city1000", "two_sided", "touching", "office9280", "city10000",
+                             "city19572", "room39936"}));
   app.add_option("--tolerance", options.tolerances)->check(CLI::PositiveNumber);
   app.add_option("--seeds", options.seeds)->check(CLI::PositiveNumber)->capture_default_str();
   app.add_option("--finer", options.finer, "goals of the truth, in parts of the tolerance")

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "pair_lines/find_pairs.h"
 #include "sums/line_form_factors.h"
 
 namespace viewpeel {
@@ -20,6 +19,7 @@ constexpr double kMostResolution = 1024;
 // in cities.
 constexpr double kSecondsOfPair = 1e-6;
 constexpr double kSecondsOfCount = 2e-7;  // of a pair that a common direction counts
+constexpr double kMostFacingPairs = 1e8;  // finding what is between more pairs takes minutes
 constexpr double kWorth = 3;              // lines for all pairs may cost this multiple of the mixture's time
 constexpr double kSoon = 0.5;             // all pairs get lines where they cost less than this
 
@@ -49,12 +49,18 @@ double shareOutside(const PairCounts& counts) {
 }
 
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count) {
-  return !countsTooMany({.pairs_of_direction = double(face_count) / 4}, mixture, replicates);
+  const double count = double(face_count);
+  return count * count / 2 <= kMostFacingPairs ||
+         !countsTooMany({.pairs_of_direction = count / 4}, mixture, replicates);
+}
+
+bool mayFindAll(const PairNumbers& pairs) {
+  return pairs.found <= double(kMostPatchPairs) && pairs.facing <= kMostFacingPairs;
 }
 
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
-  if (work.facing_pairs > double(kMostPatchPairs)) return false;
-  const double of_pairs = work.facing_pairs * kSecondsOfPair,
+  if (!mayFindAll(work.pairs)) return false;
+  const double of_pairs = work.pairs.facing * kSecondsOfPair,
                of_directions = work.pairs_of_direction * kSecondsOfCount * mixture.directions * replicates;
   return of_pairs <= std::max(kSoon, kWorth * of_directions);
 }

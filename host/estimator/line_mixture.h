@@ -8,6 +8,7 @@
 
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
+#include "pair_lines/pair_lines.h"
 #include "sums/pair_count.h"
 
 namespace viewpeel {
@@ -35,15 +36,19 @@ constexpr double kGrazedOfScene = 1e-5;
 // LineWork says how much work lines for all pairs would be, and how much common directions. It depends on the scene and
 // the seed, not on measured times, so that the same seed gives the same bits.
 struct LineWork {
-  double facing_pairs = 0;        // of faces, with an unoccluded form factor above 0; an estimate
+  PairNumbers pairs;              // estimates
   double pairs_of_direction = 0;  // pairs of faces that one common direction counts
 };
 
-// Returns false where common directions are sure to count too many pairs. Along a direction nearly every face sees
-// another one on one side, so that at least a quarter as many pairs as faces are counted.
+// Returns whether PairLines::find() can find all pairs within minutes, and keep them.
+bool mayFindAll(const PairNumbers& pairs);
+
+// Returns false where there may be too many pairs for lines, and common directions are sure to count too many pairs.
+// Along a direction nearly every face sees another one on one side, so that at least a quarter as many pairs as faces
+// are counted.
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
-// Returns whether all pairs get lines. They do where lines for all cost little more time than the mixture, because form
-// factors by lines are far more exact.
+// Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time,
+// because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 // Returns whether common directions count so many pairs that their sums do not fit into memory.
 bool countsTooMany(const LineWork& work, const LineMixture& mixture, uint32_t replicates);

@@ -67,6 +67,11 @@ class PairFinder::Search {
     });
   }
 
+  // Finds single pairs of patches.    In: all: all blockers
+  void findEach(std::span<const std::pair<uint32_t, uint32_t>> pairs, const BlockerList& all) {
+    for (const auto& [p, q] : pairs) findPair(std::min(p, q), std::max(p, q), all);
+  }
+
   PatchPairs found;
 
  private:
@@ -255,16 +260,29 @@ class PairFinder::Search {
   Vectors vectors_ = widestVectors();
 };
 
+// Returns the list of all blockers, the largest first.
+BlockerList PairFinder::listAll() const {
+  BlockerList all;
+  all.clear(blockers_.size());
+  for (const uint32_t k : largest_first_) all.add(k, blockers_[k]);
+  all.close();
+  return all;
+}
+
+size_t PairFinder::countFound(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
+  std::atomic<size_t> found_count = 0;
+  Search search(*this, 0, found_count);
+  search.findEach(pairs, listAll());
+  return search.found.pairs.size();
+}
+
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {
   if (nodes_.empty()) return {};
   // One thread divides tasks until there are enough for all threads. Then each thread takes one task after another.
   std::atomic<size_t> found_count = 0;
   Search first(*this, least_form_factor, found_count);
   std::vector<Task> tasks(1);
-  tasks[0].a = tasks[0].b = 0;
-  tasks[0].between.clear(blockers_.size());
-  for (const uint32_t k : largest_first_) tasks[0].between.add(k, blockers_[k]);
-  tasks[0].between.close();
+  tasks[0] = {0, 0, listAll()};
   while (!tasks.empty() && tasks.size() < kTasks) {
     std::vector<Task> next;
     bool is_divided = false;

@@ -89,23 +89,26 @@ void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor)
   pairs.resize(kept), groups_.resize(kept);
 }
 
-double PairLines::estimatePairs() const {
+PairNumbers PairLines::estimatePairs() const {
   const std::vector<Patch>& patches = finder_.patches();
   const auto isInFront = [](const Patch& of, const Patch& other) {
     return std::ranges::any_of(other.corners, [&](const glm::dvec3& corner) {
       return glm::dot(of.normal, corner) > of.offset + kTouchingShaft;
     });
   };
-  uint64_t count = 0;
+  std::vector<std::pair<uint32_t, uint32_t>> facing;
   Hash places;
   for (uint32_t k = 0; k < kSampledPairs; ++k) {
     places.add(uint64_t(k));
     const uint64_t place = places.value();
-    const Patch &a = patches[(place >> 32) % patches.size()], &b = patches[(place & UINT32_MAX) % patches.size()];
+    const auto p = static_cast<uint32_t>((place >> 32) % patches.size()),
+               q = static_cast<uint32_t>((place & UINT32_MAX) % patches.size());
+    const Patch &a = patches[p], &b = patches[q];
     const bool is_pair = a.id != b.id && ((a.emits && b.receives) || (b.emits && a.receives));
-    count += is_pair && isInFront(a, b) && isInFront(b, a);
+    if (is_pair && isInFront(a, b) && isInFront(b, a)) facing.emplace_back(p, q);
   }
-  return 0.5 * double(count) / kSampledPairs * double(patches.size()) * double(patches.size());
+  const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
+  return {each * double(facing.size()), each * double(finder_.countFound(facing))};
 }
 
 PairLinesFigures PairLines::figures() const {

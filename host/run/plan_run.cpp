@@ -131,11 +131,9 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     why = "the scene has too many pairs of polygons";
     if (fitMixture(mixture, work) && !paysLinesForAll(work, mixture, replicates)) return "";
   }
-  const bool gives_all = paysLinesForAll(work, mixture, replicates) ||
-                         (setup.request().pair_lines && work.facing_pairs <= double(kMostPatchPairs));
   line_mixture = {};
   makeLineEngine();
-  return gives_all ? "" : why;
+  return mayFindAll(work.pairs) ? "" : why;
 }
 
 // Takes the finest lattice at which the sums of counted pairs fit into memory.

@@ -9,7 +9,7 @@ namespace viewpeel {
 constexpr uint32_t kUsualDirections = 400;            // of a replicate, unless a plan or the request says
 constexpr double kSurfaceUnoccludedTolerance = 2e-4;  // largest at which surfaces use unoccluded form factors
 constexpr size_t kMostUnoccludedFaces = 20'000;       // above this, counts of blocked pairs take gigabytes
-constexpr size_t kMostPairLineFaces = 8'000;          // above this, finding the blockers of all pairs takes minutes
+constexpr size_t kMostPairLineFaces = 8'000;          // above this, a plan estimates whether finding all pairs pays
 constexpr double kPairLineTolerance = 0.02;           // largest at which pair lines are the default
 constexpr double kPromiseDelta = 0.01;                // probability that a promised tolerance fails
 

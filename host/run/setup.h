@@ -71,7 +71,8 @@ class Setup {
   // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
-  // Returns whether common directions may count what is small against the goal (line_mixture.h).
+  // Returns whether a scene of many polygons may have pair lines: of all pairs, or of pairs that are not small against
+  // the goal (line_mixture.h).
   bool mayMix() const;
   LineMixture mixture() const;
   // Returns whether small polygons may have lattices of their own.

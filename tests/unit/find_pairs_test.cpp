@@ -190,6 +190,30 @@ bool areAlike(const PatchPairs& x, const PatchPairs& y) {
   return std::ranges::equal(x.pairs, y.pairs, isSame) && std::ranges::equal(x.between, y.between, isSameBlocker);
 }
 
+// Single pairs are decided against all blockers, clusters against the few that are left. The sample of estimatePairs()
+// has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five of these are allowed.
+TEST(PairFinder, SinglePairsAreCounted) {
+  for (const InputScene& input : {bench::roomWithBoxes(1), bench::triangulatedCity(1000).scene, bench::city(1000)}) {
+    SCOPED_TRACE(input.file);
+    const Scene scene = buildScene(input);
+    const Ids ids = makeIds(scene, By::polygon, false);
+    const PairFinder finder(scene, ids);
+    std::vector<std::pair<uint32_t, uint32_t>> all;
+    const auto patch_count = static_cast<uint32_t>(finder.patches().size());
+    for (uint32_t p = 0; p < patch_count; ++p)
+      for (uint32_t q = 0; q < p; ++q) all.emplace_back(p, q);
+    const size_t found = finder.find(2).pairs.size();
+    EXPECT_EQ(finder.countFound(all), found);
+    EXPECT_EQ(finder.countFound(std::span(all).first(all.size() / 2)) +
+                  finder.countFound(std::span(all).subspan(all.size() / 2)),
+              found);
+    const PairNumbers numbers = PairLines(scene, ids, false, 1).estimatePairs();
+    EXPECT_NEAR(numbers.found, double(found), 5 * patch_count / 16.0 * patch_count / 16.0);
+    EXPECT_LT(numbers.found, numbers.facing);
+    EXPECT_GT(numbers.facing, 1.2 * double(found));
+  }
+}
+
 TEST(PairFinder, ThreadsDoNotMatter) {
   const Scene scene = buildScene(bench::triangulatedCity(1000, 2).scene);
   const Ids ids = makeIds(scene, By::polygon, false);
