@@ -68,8 +68,8 @@ uint64_t mostListed(const Device& device);
 // Returns the error for lists that are longer than mostListed. Its code is memory, for smaller batches help here, too.
 Error listsTooLong(const Device& device);
 
-// sizeBytes returns the bytes of all buffers that a batch of this shape has. largestBytes returns those of the largest
-// one, with buffers of 4-byte texels counted twice: largestBuffer allows as many texels as if each had 8 bytes.
+// sizeBytes returns the bytes of all buffers that a batch of this shape has, largestBytes the bytes of the largest one.
+// The latter counts buffers of 4-byte texels twice, because largestBuffer allows as many texels as if each had 8 bytes.
 uint64_t sizeBytes(const BatchShape& shape);
 uint64_t largestBytes(const BatchShape& shape);
 

@@ -12,15 +12,15 @@ namespace viewpeel {
 
 __extension__ using WideInteger = __int128;
 
-// PairProducts serve one thread. Factors are whole numbers and sums are exact, so that sums of several threads do not
-// depend on who counted what, and the products are those of a symmetric matrix to the last bit.
+// PairProducts serve one thread. Factors are whole numbers and sums are exact. So sums of several threads do not depend
+// on which thread counted what, and the matrix is symmetric to the last bit.
 class PairProducts {
  public:
   // Lines that leave the scene against the direction are counted here, where the environment is split.
   static constexpr uint32_t kBehind = kEnvironment - 1;
 
-  // The Outside of a row counts lines that join it to no other row, so that they add nothing to a product: lines that
-  // leave the scene along or against the direction, lines that end on a back, and lines within the row itself.
+  // The Outside of a row counts lines that join it to no other row, so that they add nothing to a product. These lines
+  // leave the scene along the direction (ahead) or against it (behind), end on a back, or stay within the row (own).
   struct Outside {
     uint64_t ahead = 0, behind = 0, leak = 0, own = 0;
   };

@@ -48,7 +48,7 @@ Window windowAround(const Scene& scene, const std::vector<uint32_t>& polygons);
 // this radius x resolution <= kMostWindowPoints.
 double boxRadius(const Scene& scene, uint32_t polygon_index);
 
-// Makes an engine that counts every group at its own resolution. Its unitArea() is that of the finest group.
+// Makes an engine that counts every group at its own resolution. Its unitArea() belongs to the finest group.
 //   In: groups: as groupBySize returns them; ids: without roles, that is, every polygon emits and receives
 //   Throws: what make_engine throws; Error bad_usage where the ids have roles.
 //   Cost: for every group and direction, the whole scene is projected and the group's window is counted.

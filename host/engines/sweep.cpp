@@ -218,7 +218,7 @@ void Sweep::sortByLow(std::span<Span> spans) {
 
 // Counts one row. It goes from one end of a span to the next; between two ends the order of the polygons is constant,
 // but for rounding. A sample is a lattice point or, with scanlines, the interval between two ends within a cell of
-// kScanlineCell lattice columns. The order of layers on a sample is that in its middle.
+// kScanlineCell lattice columns. The order of layers on a sample is the order in its middle.
 template <bool kAllCount, bool kBlocked, class Table>
 void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, Table& table) {
   sortByLow(spans);

@@ -15,7 +15,7 @@
 
 namespace viewpeel {
 
-// A Sweep serves one thread. Its counts are those of the compute engine, to the last bit.
+// A Sweep serves one thread. It counts the same as the compute engine, to the last bit.
 //   Cost: per direction, O(polygons + spans log (spans of a row) + samples x layers).
 class Sweep {
  public:

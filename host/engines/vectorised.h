@@ -1,5 +1,5 @@
-// runVectorised compiles a loop over arrays several times: for AVX-512, for AVX2, and for any x86-64 processor, whose
-// vectors are those of 2003. At run time it takes the version for the widest vectors that the processor has.
+// runVectorised compiles a loop over arrays several times: for AVX-512, for AVX2, and for any x86-64 processor, which
+// has the 128-bit vectors of SSE2. At run time it takes the version for the widest vectors of the processor.
 #pragma once
 
 // This macro stands before a loop whose iterations do not depend on each other.

@@ -30,8 +30,8 @@ constexpr double kDearer = 1.5;
 // above kFinestResolution.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
   // The terms of eq. (27), or (28), are summed over an id's polygons: 2 A + slope h + number h^2 = range A has one
-  // positive root h. The slope is the sum of perimeters. With scanlines it is that of 2.01 diameters, where the 0.01
-  // exceeds the 2^-9 of eq. (28).
+  // positive root h. The slope is the sum of perimeters, or with scanlines 2.01 times the sum of diameters, where the
+  // 0.01 exceeds the 2^-9 of eq. (28).
   std::vector<double> areas(ids.count(), 0), slopes(ids.count(), 0), numbers(ids.count(), 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);

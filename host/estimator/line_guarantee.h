@@ -1,4 +1,4 @@
-// A LineGuarantee draws pair lines until, with probability 1 - delta, every form factor lies in its interval, and every
+// A LineGuarantee draws pair lines until every form factor lies in its interval with probability 1 - delta, and every
 // form factor between polygons is within epsilon. line_guarantee_plan.cpp plans, line_guarantee.cpp and
 // line_guarantee_strata.cpp draw lines, and line_guarantee_result.cpp makes intervals.
 //
@@ -71,8 +71,8 @@ class LineGuarantee {
     double first_weight = 0;         // largest exchange area that one line stands for, at the first look
     double weight = 0;               // and at the last look
     uint32_t first_part = 0, part_count = 0;
-    uint32_t looks = 1, look = 0;             // most looks at uniform lines, and those done
-    uint32_t strata_looks = 0;                // most looks at lines in strata that are left
+    uint32_t looks = 1, look = 0;             // most looks at uniform lines, and looks done
+    uint32_t strata_looks = 0;                // how many looks at lines in strata may still follow
     double strata_lines = 0;                  // lines of the next look at strata
     double strata_drawn = 0;                  // lines of all looks at strata so far
     Interval interval{};                      // of exchange areas
@@ -104,7 +104,7 @@ class LineGuarantee {
   struct Tasks {
     std::vector<UniformTask> uniform;
     std::vector<StrataTask> strata;
-    std::vector<size_t> first;  // by entry: index of its first part's task, among those of its kind
+    std::vector<size_t> first;  // by entry: index of its first part's task in `uniform`, or in `strata`
   };
 
   // A Row holds sums over the entries of a row, as exchange areas.

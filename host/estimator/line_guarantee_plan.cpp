@@ -17,8 +17,8 @@ namespace {
 
 constexpr uint32_t kMostEntryLooks = 5;  // at uniform lines; from the second on each has twice the lines of the last
 // An entry has at most this number of bounds, each of which may fail. A look at uniform lines has two, one for each
-// side. A look at strata has four, one more for the variance of each side. The most are those of the first look, three
-// looks at strata, and the last look; they are more than the ten of five looks at uniform lines.
+// side. A look at strata has four, one more for the variance of each side. An entry has the most bounds with the first
+// look, three looks at strata, and the last look. Five looks at uniform lines have ten.
 constexpr double kMostBounds = 2 + 3 * 4 + 2;
 constexpr double kShareByNeed = 0.5;         // part of delta shared by need of lines; the rest is shared evenly
 constexpr double kFewestLines = 16;          // least lines of an entry
@@ -169,8 +169,8 @@ void LineGuarantee::planRows() {
   }
 }
 
-// Returns the uniform lines that an entry is expected to need: those of the first look at which Bernstein's bound is
-// within what the entry may err.    In: share: of its lines that nothing blocks
+// Returns the number of uniform lines that an entry is expected to need, up to the first look at which Bernstein's
+// bound is no more than the entry may err.    In: share: of its lines that nothing blocks
 double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
@@ -220,8 +220,8 @@ void LineGuarantee::predict() {
     if (most <= kFewestLines + entry.part_count) add(entry, most, most, 0, 0.5, 1);
     else uncertain.push_back(k), most_uncertain += most;
   }
-  // The entries are laid end to end, each as long as the most lines that it may need. Those at equal distances get a
-  // pilot (systematic sampling).
+  // The entries are laid end to end, each as long as the most lines that it may need. Entries at equal distances along
+  // this row get a pilot (systematic sampling).
   std::vector<std::pair<uint32_t, double>> pilots;  // entry and weight
   const double step = most_uncertain / double(kPilots);
   double sum = 0;

@@ -76,8 +76,8 @@ bool LineGuarantee::hasRoomForStrata(const Entry& entry) const {
   return entry.strata_lines <= kMostStrataLines && entry.strata_drawn + most <= mostStrata(entry);
 }
 
-// Plans the next look at strata: the least number of lines, in steps of 5 %, for which the squares of the last look
-// forecast an error within what the entry may err.    In: shown: of the last look; lines: of the last look
+// Plans the next look at strata. It gets the least number of lines, in steps of 5 %, for which the squares of the last
+// look forecast an error that the entry may have.    In: shown, lines: of the last look
 void LineGuarantee::planStrata(Entry& entry, const StrataFigures& shown, double lines) const {
   for (double factor = 1.05; entry.strata_looks > 0; factor *= 1.05) {
     const StrataFigures then{.squares = shown.squares * std::pow(factor, -kVarianceRate),

@@ -58,8 +58,8 @@ struct SizeClass {
 };
 
 // Returns the lattice variance of a form factor of an id of area A and perimeter P, if one other id sees all of it:
-// docs/method.md, eq. (24). It is the smaller of two values: that of a lattice finer than the id, and that of a coarser
-// one. With scanlines the first has the 0.0194 of eq. (8), and the second is (4 / A^2) h (A / 2)^(3/2).
+// docs/method.md, eq. (24). It is the smaller of two values, one for lattices finer than the id, one for coarser
+// lattices. With scanlines the first has the 0.0194 of eq. (8), and the second is (4 / A^2) h (A / 2)^(3/2).
 //   In: area: A, unit-ball units squared; h: spacing, unit-ball units
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h);
 
@@ -124,8 +124,8 @@ class Planner {
   std::vector<double> ratios_;                // perimetersPerAreaSquared
   std::vector<double> areas_;                 // by id, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // area of all ids, and of the largest face, in the same units
-  // These are the ranks of ids by place, where form factors are visibilities times unoccluded form factors. Pairs of
-  // few lines take visibility from their neighbours in rank (neighbour_visibility.h).
+  // Ids have ranks by place where form factors are visibilities times unoccluded form factors: uint32_t[id], else
+  // empty. Pairs of few lines take visibility from their neighbours in rank (neighbour_visibility.h).
   std::vector<uint32_t> ranks_;
   std::vector<uint32_t> id_of_face_;  // uint32_t[face] where unoccluded form factors are used; else empty
   std::vector<SizeClass> classes_;

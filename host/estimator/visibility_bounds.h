@@ -60,8 +60,8 @@ class VisibilityBounds {
   double largest_range_ = 0;
 };
 
-// Removes the visibilities of pairs whose lines could count more than once. These are pairs with a face of several
-// polygons. Where there are several lattices, all visibilities are removed.
+// Removes the visibilities of environment and leak where there are several lattices, and the visibilities of pairs with
+// a face of several polygons. Lines of such pairs could count more than once.
 Prior keepBounded(Prior prior, const Ids& ids, bool has_one_lattice);
 
 }  // namespace viewpeel

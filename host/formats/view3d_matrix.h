@@ -24,7 +24,7 @@ struct View3dMatrix {
   uint32_t rowCount() const { return static_cast<uint32_t>(areas.size()); }
 };
 
-// Returns the matrix of the first rows of a result, empty rows included. The number of emissivities is that of rows.
+// Returns the matrix of the first rows of a result, empty rows included: as many rows as there are emissivities.
 //   In: emissivities: of these rows    Cost: O(nonzeros).
 View3dMatrix makeView3dMatrix(const FormFactors& form_factors, std::vector<double> emissivities);
 

@@ -21,8 +21,8 @@ VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker
   return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
 }
 
-// A Tangent is a plane through an edge of a patch. All points of the other end in front of the patch lie on its inner
-// side, which is that of the patch.
+// A Tangent is a plane through an edge of a patch. The patch lies on its inner side, and so do all points of the other
+// end that are in front of the patch.
 struct Tangent {
   bool is_found = false;
   dvec3 normal{0};

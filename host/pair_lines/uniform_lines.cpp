@@ -124,8 +124,8 @@ void UniformLines::frameDisk(const Patch& small, const Patch& large, double leas
         const double along = glm::dot(large.corners[m] - small.corners[k], disk_.axes[axis]);
         low = std::min(low, along), high = std::max(high, along);
       }
-    // A line that moves by `along` on the axis is no shorter than that, nor than the least distance. So its direction
-    // has at most this component.
+    // A line that moves by `along` on the axis is no shorter than `along`, nor than the least distance. So the
+    // component of its direction on the axis is at most this.
     const auto partOf = [&](double along) { return along / std::max(least_distance, std::abs(along)); };
     disk_.low[axis] = static_cast<float>(std::max(-1.0, std::min(0.0, partOf(low)) - kMargin));
     disk_.high[axis] = static_cast<float>(std::min(1.0, std::max(0.0, partOf(high)) + kMargin));

@@ -4,9 +4,9 @@
 // probability that nothing blocks it is the visibility.
 // Candidates are drawn in the way that wastes fewest, and rejected so that the others have exactly this density:
 //   points      from a uniform point of one patch to a uniform point of the other, kept with probability f over a bound
-//               on f;
+//               on f.
 //   directions  from a uniform point of the smaller patch along a direction of Lambert's cosine law, kept where it
-//               meets the other patch. This way is for near patches, where f has no useful bound;
+//               meets the other patch. This way is for near patches, where f has no useful bound.
 //   contact     at a uniform point of the smaller of two patches of one plane, kept where it lies on the other.
 // A candidate is decided in double precision where rounding to single precision might change the decision. A line is
 // open where double precision cannot tell whether it is blocked. Proof: docs/method.md, section 14.
@@ -75,7 +75,7 @@ class UniformLines {
   StrataSums drawStrata(uint64_t stream, uint64_t cells, float share, Vectors vectors) const;
   // Returns a bound on the rounding of the mean of x.
   double strataError() const;
-  static constexpr uint64_t kMostCells = 1 << 20;  // single precision can number these
+  static constexpr uint64_t kMostCells = 1 << 20;  // single precision can number so many cells
 
  private:
   // A Geometry holds the patches and obstacles in one precision.

@@ -103,7 +103,7 @@ std::vector<std::pair<std::string, std::string>> parametersOf(const Settings& se
   };
   for (const auto& [name, value] : settings) add(name, value);
   add("replicates", std::to_string(estimate.replicates));
-  // The settings have `directions` and `lines` of a replicate; these two are of the whole run.
+  // The settings have `directions` and `lines` of a replicate; all_directions and all_lines are of the whole run.
   add("all_directions", std::to_string(estimate.directions));
   add("all_lines", std::to_string(estimate.lines));
   add("largest_standard_error", fmt::format("{}", estimate.largest_standard_error));

@@ -20,7 +20,7 @@ SceneOptions sceneOptionsOf(const Settings& settings);
 Settings settingsOf(const Setup& setup);
 // Returns whether a plan may choose the setting with this name.
 bool mayBePlanned(const std::string& name);
-// Returns all settings, those chosen by the plan included.
+// Returns all settings, also the ones that the plan has chosen.
 Settings settingsOf(const Setup& setup, const PlanSummary& plan);
 
 }  // namespace viewpeel

@@ -159,7 +159,7 @@ LineMixture Setup::mixture() const {
 
 double Setup::leastFormFactor() const {
   const auto* goal = std::get_if<EpsilonDelta>(&estimated_goal_);
-  // Sums over surfaces, and rows, may consist of many pairs below the limit, so these need lines for all pairs.
+  // Sums over surfaces, and sums of rows, may consist of many pairs below the limit. So both need lines for all pairs.
   const bool needs_few = goal && request_.by == By::polygon && !goal->rows && !request_.pair_lines.value_or(false);
   return needs_few && scene_.faces.size() > kMostPairLineFaces ? kLeastOfEpsilon * goal->epsilon : 0;
 }

@@ -54,8 +54,8 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
-  // Returns the unoccluded form factor below which pairs get no lines in a guarantee: large scenes have too many such
-  // pairs, and a guarantee does not need their lines. 0: all pairs get lines.
+  // Returns the unoccluded form factor below which pairs get no lines in a guarantee; 0: all pairs get lines. Large
+  // scenes have too many pairs below it, and a guarantee does not need their lines.
   double leastFormFactor() const;
   // Makes the tolerance a promise, that is, a guarantee.    In: rows: whether it also covers each row's environment
   void promise(bool rows);

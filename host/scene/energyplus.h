@@ -20,14 +20,14 @@ struct EnergyPlusZone {
   double relative_north_deg = 0;  // clockwise, seen from above
 };
 
-// An EnergyPlusSurface is a wall, floor, ceiling or roof of a zone, or a window or door in one of these.
+// An EnergyPlusSurface is a wall, floor, ceiling or roof of a zone, or a window or door in such a surface.
 struct EnergyPlusSurface {
   std::string name, zone;  // zone: a window has the zone of its base
   std::string base;        // surface that a window or door lies in; empty for others
   std::vector<glm::dvec3> corners;
   double multiplier = 1;
   uint32_t line = 0;
-  std::string boundary;  // outside boundary condition, in small letters; a window has that of its base
+  std::string boundary;  // outside boundary condition, in small letters; a window has its base's condition
 };
 
 // A shading surface stands outside: a tree, a neighbour, an overhang.
@@ -49,7 +49,7 @@ struct EnergyPlusBuilding {
   std::vector<EnergyPlusZone> zones;
   std::vector<EnergyPlusSurface> surfaces;  // in the order of the file
   std::vector<EnergyPlusShading> shadings;
-  // Shading surfaces that are described by lengths are not read; these are their places and object types.
+  // Shading surfaces that are described by lengths are not read. This list has their places and object types.
   std::vector<std::pair<FilePlace, std::string>> simple_shadings;
   uint64_t internal_masses = 0;
 };

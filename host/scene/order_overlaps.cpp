@@ -76,7 +76,7 @@ void Stacking::follow(const std::vector<PolygonTree::Hit>& hits, Votes& votes) c
 }
 
 // Orders the pairs that have a place without a third polygon. A ray that ends on coincident polygons waits for a later
-// round, in which these are ordered.
+// round, in which these polygons are ordered.
 void Stacking::orderPairs() {
   std::vector<uint32_t> open;
   for (uint32_t k = 0; k < overlaps_.size(); ++k)

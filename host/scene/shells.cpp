@@ -254,8 +254,8 @@ std::vector<Shell> ShellFinder::find() {
   return shells;
 }
 
-// Seen counts rays from a shell: `rays` from its fronts and as many from its backs. by_front and by_back count the rays
-// from fronts, and from backs, that end on fronts of other shells. `anything` counts rays from fronts that end at all.
+// Seen counts rays from a shell: `rays` from its fronts and as many from its backs. by_front counts rays from fronts
+// that end on fronts of other shells, by_back such rays from backs. `anything` counts rays from fronts that end at all.
 struct Seen {
   uint32_t rays = 0, by_front = 0, by_back = 0, anything = 0;
 };

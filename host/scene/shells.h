@@ -23,11 +23,10 @@ struct Shell {
 std::vector<Shell> findShells(const Scene& scene);
 
 // Finds the faces that have to be turned over so that lines hit fronts.
-//   These are faces that are against their shell, and all faces of three kinds of shells. The first kind is
-//   a closed shell whose backs other fronts see, while its fronts see almost nothing: a solid inside out, or
-//   a room with its normals outward. The second kind is an open shell whose backs see almost only fronts,
-//   while its fronts see none. The third kind is the only closed shell of a scene in which no front sees
-//   anything.
+//   It finds faces that are against their shell, and all faces of three kinds of shells. The first kind is a closed
+//     shell whose backs other fronts see, while its fronts see almost nothing: a solid inside out, or a room with its
+//     normals outward. The second kind is an open shell whose backs see almost only fronts, while its fronts see none.
+//     The third kind is the only closed shell of a scene in which no front sees anything.
 //   Error: the answer rests on some thousand rays, the same in every run. A shell that fewer than 4 rays hit is not
 //     turned.
 //   Out: indices into Scene::faces, ascending

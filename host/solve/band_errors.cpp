@@ -15,8 +15,8 @@ using Eigen::VectorXd;
 
 constexpr uint64_t kProbeSeed = 0x62616E6473;
 
-// A Disturbance is the effect of errors of exchange areas: on A H_k of each band k (of_bands, W), and on each row's
-// exchange area with the environment, the whole and the part above the horizon (environment, up).
+// A Disturbance is the effect of errors of exchange areas. of_bands is the effect on A H_k of each band k, W. The other
+// two are effects on each row's exchange area with the whole environment, and with its part above the horizon (up).
 struct Disturbance {
   BandVectors of_bands;
   VectorXd environment, up;

@@ -37,7 +37,7 @@ class BandErrors {
   double rootOfSquares(const Eigen::VectorXd& changes) const;
 
   size_t sources_ = 0;                    // number of columns for errors of exchange areas, or of probes
-  double weight_ = 1;                     // factor of these columns' squares
+  double weight_ = 1;                     // factor of the squares of these columns
   std::vector<Eigen::MatrixXd> changes_;  // by Answer: rows x columns
   Eigen::VectorXd to_up_, to_down_;       // by column
 };

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 constexpr int kMostSteps = 100, kMostHalvings = 40, kMostInnerSteps = 500;
 constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // largest residual, as a share of the largest emission
 constexpr double kInnerResidual = 1e-8;                      // largest residual of a Newton step's linear solution
-constexpr double kLargestFall = 0.25;                        // least ratio of a temperature after a step to that before
+constexpr double kLargestFall = 0.25;                        // a step leaves at least this share of a temperature
 
 // Returns the temperature whose emission is subtracted from all: the environment's, or the first that is given.
 double referenceTemperature(const ClosedExchange& closed, const Enclosure& enclosure) {

@@ -14,8 +14,8 @@ namespace viewpeel {
 using BandVectors = std::vector<Eigen::VectorXd>;  // a vector over rows for each band
 
 // A BandSystem solves A H_k = X B_k + x_e S_k and B_k = e_k E_k(T) + (1 - e_k) H_k for each band k of wavelengths. A is
-// the diagonal matrix of areas, X holds the exchange areas between rows, and x_e those with the environment. H_k, B_k
-// and e_k are irradiations, radiosities and emissivities. E_k(T) is the emission of a black surface, and S_k the
+// the diagonal matrix of areas, X holds the exchange areas between rows, and x_e each row's with the environment. H_k,
+// B_k and e_k are irradiations, radiosities and emissivities. E_k(T) is the emission of a black surface, and S_k the
 // irradiation from the environment. A row of given heat flux has the temperature T at which sum_k e_k (E_k(T) - H_k)
 // is this flux.
 class BandSystem {

@@ -22,8 +22,8 @@ class CarriedErrors {
   virtual double standardError(const std::vector<Term>& terms) const = 0;
   // A Part of the environment is the whole, or its part above or below the horizon.
   enum class Part { all, up, down };
-  // Returns the standard error of the heat flow to a part of the environment, W: sum_i x_ip (B_i - B_p), with x_ip row
-  // i's exchange area with part p, B_i its radiosity, and B_p the emissive power of the part.
+  // Returns the standard error of the heat flow to a part of the environment, sum_i x_ip (B_i - B_p), W. Here x_ip is
+  // row i's exchange area with part p, B_i its radiosity, and B_p the emissive power of the part.
   //   In: reflectivity: by row
   virtual double environmentError(const Eigen::VectorXd& reflectivity, Part part = Part::all) const = 0;
 };

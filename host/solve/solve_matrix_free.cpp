@@ -2,8 +2,8 @@
 //
 // All replicates' directions together make one symmetric operator, for which the enclosure is solved once. How far each
 // replicate's exchange differs from the exchange of all gives the errors of the answers, to first order.
-// Replicates are not solved each alone: the bias of a solution, which is of second order, would be 8 times as large,
-// and a small polygon that no line of a replicate meets would leave its equations without a solution.
+// Replicates are not solved each alone, for two reasons. The bias of a solution, which is of second order, would be 8
+// times as large. A small polygon that no line of a replicate meets would leave its equations without a solution.
 #include <viewpeel/matrix_free.h>
 
 #include <cmath>

@@ -24,7 +24,7 @@ void addToRows(Rows& rows, const Entry& entry, double value) {
   if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j] += value;
 }
 
-// Returns the visibility whose odds are odds_factor times those of `visibility`, eq. (40).
+// Returns the visibility whose odds are odds_factor times the odds of `visibility`, eq. (40).
 double tilt(double visibility, double odds_factor) {
   return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
 }

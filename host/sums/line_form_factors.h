@@ -17,9 +17,11 @@ constexpr double kMostOfCounted = 10;
 //     where no pair lines found it. The environment of a row is 1 less its pairs and its leak. A row has an environment
 //     if a common direction saw one of its lines leave the scene. It also has one if it lacks more than three standard
 //     errors and any line left the scene. Other rows have none, and need not add up to 1.
-//     Where pairs below a least form factor have no lines, common directions have counted these, environment and leak.
-//   Error: the variance of environment is that of the row's pairs and of its leak together, or that of its counts. A
-//     counted form factor errs by at most kMostOfCounted times the least form factor, from the smaller face.
+//     Where pairs below a least form factor have no lines, common directions have counted these pairs, environment and
+//     leak.
+//   Error: the variance of an environment is the sum of the variances of the row's pairs and of its leak, or comes from
+//     its counts. A counted form factor errs by at most kMostOfCounted times the least form factor, from the smaller
+//     face.
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 

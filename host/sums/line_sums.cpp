@@ -10,7 +10,7 @@
 namespace viewpeel {
 namespace {
 
-// The variance from N scrambled Sobol' points is this factor times (N / 16)^-1/4 of that from N independent lines. It
+// N independent lines give a variance; N scrambled Sobol' points give this factor times (N / 16)^-1/4 of it. The factor
 // was measured: docs/accuracy.md.
 constexpr double kEvenness = 1;
 // The variance expected by chance in eq. (47) has this many degrees of freedom; the replicates' degrees are added.

@@ -50,7 +50,7 @@ NeighbourVisibility::NeighbourVisibility(const VisibilitySums& sums, const std::
     levels.push_back(std::move(coarse));
   }
   const Lines& scene = levels.back().blocks[0];
-  // Visibilities m of the blocks of the next coarser level; the first is that of the whole scene.
+  // `means` holds the visibilities m of the blocks of the next coarser level, at first of the whole scene.
   std::vector<float> means{scene.all > 0 ? scene.facing / scene.all : 0.5f};
   for (size_t k = levels.size(); k-- > 0;) {
     const auto& [side, blocks] = levels[k];

@@ -61,7 +61,7 @@ class PriorSums {
   //   In: pairs: sorted by (i, j), none of them in the prior
   void learn(const std::vector<PairPrior>& pairs);
   // Adds other replicates of the same run. Exchange areas of the two priors may differ by rounding, where they come
-  // from different devices; those of the part with the first replicate are kept.
+  // from different devices. The exchange areas of the part with the first replicate are kept.
   //   In: others_are_first: whether `others` has the first replicate
   void add(const PriorSums& others, bool others_are_first);
 

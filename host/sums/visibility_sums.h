@@ -63,14 +63,11 @@ class VisibilitySums {
     std::vector<Guess> guesses;               // sorted by entry; empty without neighbours
   };
   // Returns the estimated exchange areas of all pairs, before calibrateRows makes guesses fit their rows.
-  //   In: prior: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once
-  //   lines: as in lineOf
-  //   measure_area, count_area: as in ReplicateSums
-  //   rows: Sum[ids], sums of all lines of each row in the same replicates
-  //   sampled: entries of the pairs that are estimated by their counts alone, sorted by (i, j)
-  //   neighbours: made of these sums; nullptr: a pair that no line met gets the visibility of its prior
-  //   row: computes unoccluded exchange areas of pairs outside the prior; empty: such pairs have no entry unless
-  //     sampled
+  //   In: prior: pairs with unoccluded exchange areas, sorted by (i, j), every pair at most once; lines: as in lineOf;
+  //     measure_area, count_area: as in ReplicateSums; rows: Sum[ids], sums of all lines of each row in the same
+  //     replicates; sampled: entries of the pairs that are estimated by their counts alone, sorted by (i, j);
+  //     neighbours: made of these sums; nullptr: a pair that no line met gets the visibility of its prior; row:
+  //     computes unoccluded exchange areas of pairs outside the prior; empty: these pairs have no entry unless sampled
   //   Error: the bias of a visibility is below its standard error (section 6). With neighbours, a visibility from fewer
   //     than four lines is averaged with theirs, which count as half a line. Standard errors come from replicates. They
   //     are at least one line's, and at most the distance to the farther end of [0, most].
@@ -91,7 +88,7 @@ class VisibilitySums {
 
   Ids ids_;
   std::vector<PairSum> pairs_;
-  // Squares / 2^64, by (i, j), of the few pairs with so many lines that these are above 0.
+  // Squares / 2^64, by (i, j), of the few pairs that have so many lines that one of the quotients is above 0.
   std::map<std::pair<uint32_t, uint32_t>, std::array<uint64_t, 3>> high_squares_;
   uint64_t replicate_count_ = 0;
 };

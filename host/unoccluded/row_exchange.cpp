@@ -100,9 +100,9 @@ void RowExchange::compute(uint32_t i, std::span<BoundedExchange> later) const {
 // Adds the exchange areas of polygon a with all polygons from place `first` on.
 //
 // Where a plane cuts a polygon, its depth is max(0, depth). Along a line, where depth is linear, the rule's mean of it
-// is off by at most 0.045 of half the range of the depth; this happens where the zero is at a point of the rule. Over
-// the square, one coordinate after the other, the error is at most twice as much. kCutError is larger, because weights
-// need not be constant.
+// is off by at most 0.045 of half the range of the depth. The error is largest where the depth is 0 at a point of the
+// rule. Over the square, one coordinate after the other, the error is at most twice as much. kCutError is larger,
+// because weights need not be constant.
 void RowExchange::addPolygon(uint32_t a, uint32_t first, std::span<BoundedExchange> later, uint32_t first_id) const {
   for (size_t start = first; start < id_.size(); start += kLanes) {
     Floats errors;

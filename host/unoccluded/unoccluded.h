@@ -42,7 +42,7 @@ struct UnreachedPair {
 struct UnoccludedWork {
   uint64_t pairs = 0, unseen_pairs = 0;      // all pairs; pairs of polygons that cannot see each other
   std::array<uint64_t, 5> far_pairs{};       // pairs by the product rules of 2, 3, 4, 5, 6 points a coordinate
-  uint64_t near_pairs = 0, again_pairs = 0;  // pairs integrated along their contours; repeats of these with more points
+  uint64_t near_pairs = 0, again_pairs = 0;  // pairs integrated along their contours; repeats with more points
   uint64_t line_integrals = 0;               // integrals over pairs of edges
   std::vector<std::pair<std::string, double>> pass_seconds;  // name of each pass on the device, and its time in s
 };
@@ -67,8 +67,8 @@ class UnoccludedExchange {
   // Computes the exchange areas of pairs of sides.
   //   In: pairs: pairs of sides, in any order; areas: double[pairs]
   //   Out: areas: A_i F_ij of each pair, unit-ball units squared, the same bits for (i, j) and (j, i) and for any
-  //     options. They are exactly 0 between sides of one polygon, and where one side lies behind the other's plane
-  //     or within rounding of it (2^-50, and more where a thin polygon's corners do not fix its plane). Sides of
+  //     options. They are exactly 0 between sides of one polygon, and where one side lies behind the other's plane or
+  //     within rounding of it. Rounding is 2^-50, more where a thin polygon's corners do not fix its plane. Sides of
   //     one plane that face each other, as touching solids do, exchange the area of their overlap. It returns the
   //     pairs whose error may exceed the bounds, sorted by index; their areas are from the rules with the most
   //     points.

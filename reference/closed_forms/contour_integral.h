@@ -11,9 +11,10 @@ constexpr double kFarRelativeError = 1e-10;  // relative error for pairs farther
 constexpr double kFarDistance = 4;           // distance of the mean corners over the sum of the radii about them
 
 // Returns F from polygon a to polygon b, fronts only:
-//   F = 1/(2 pi A) oint_a oint_b ln r ds . dt,
-// summed over pairs of edges: the inner integral in closed form, the outer adaptive, cut where the inner one is nearly
-// singular. A far pair's logarithms cancel, so there F = 1/A int_a int_b cos cos / (pi r^2) by product Gauss rules.
+//   F = 1/(2 pi A) oint_a oint_b ln r ds . dt.
+// The sum is over pairs of edges. The inner integral has a closed form. The outer one is adaptive, and cut where the
+// inner one is nearly singular. A far pair's logarithms cancel, so there F = 1/A int_a int_b cos cos / (pi r^2) by
+// product Gauss rules.
 // A polygon that reaches behind the other's plane is clipped to its front first; A stays the whole a's area.
 //   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit; interiors
 //     disjoint. They may share an edge, a corner, a part of an edge, or all but touch.

@@ -10,8 +10,8 @@ namespace viewpeel::reference {
 
 // A ProjectedPair computes one direction's term of F from polygon a to polygon b, fronts only:
 //   zeta(u) = 2/A area(projections of a and b along u, intersected), where u or -u leaves a's front and arrives at b's
-//   front, else 0,
-// counting only the lines that meet a first. F is its mean over directions uniform on the sphere.
+//   front, else 0.
+// The area counts only lines that meet a first. F is the mean of zeta over directions uniform on the sphere.
 class ProjectedPair {
  public:
   //   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit.
