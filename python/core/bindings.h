@@ -97,9 +97,16 @@ py::array_t<T> arrayOf(std::vector<T> values) {
 // Returns the values and the standard errors of measured numbers.
 std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Measured>& measured);
 
+// Makes an array with a value for every row of the scene; 0 for empty rows.    In: of_ids: a value for each nonempty
+// row, by id
+py::array_t<double> overRows(const Ids& ids, const std::vector<double>& of_ids);
+
 // Makes a column of a result.    In: of_ids: a value for each nonempty row, by id
 //   Out: (values, standard errors), one each for every row of the scene; 0 for empty rows
 py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids);
+
+// Returns the name of each surface of a scene.
+std::vector<std::string> surfaceNames(const Scene& scene);
 
 void addScene(py::module_& module);
 void addResult(py::module_& module);

@@ -9,7 +9,7 @@ namespace {
 py::dict columnsOf(const EnvironmentParts& found) {
   py::dict columns;
   columns["names"] = rowNames(found.ids);
-  columns["areas"] = arrayOf(spreadOverRows(found.ids, found.ids.areas));
+  columns["areas"] = overRows(found.ids, found.ids.areas);
   columns["environment"] = columnOf(found.ids, found.all);
   columns["up"] = columnOf(found.ids, found.up);
   columns["down"] = columnOf(found.ids, found.down);

@@ -23,8 +23,12 @@ py::array startsOf(const std::shared_ptr<const SparseRows>& rows) {
   return arrayOf(std::vector<int32_t>(rows->starts.begin(), rows->starts.end()));
 }
 
-// Returns a sparse matrix.    In: name: of its values    Out: (values, columns, starts), as scipy.sparse.csr_array
-// takes them; None where the result has no values of this name
+// Returns a sparse matrix as scipy.sparse.csr_array takes it: (values, columns, starts).
+py::tuple matrixOf(const py::array_t<double>& values, const std::shared_ptr<const SparseRows>& rows) {
+  return py::make_tuple(values, viewOf(rows->columns, rows), startsOf(rows));
+}
+
+// Returns a sparse matrix, or None where the result has no values of this name.
 py::object sparse(HeldResult& held, const std::string& name) {
   const std::shared_ptr<const SparseRows> rows = rowsOf(held);
   const std::vector<double>& values = name == "form_factors"      ? rows->form_factors
@@ -32,11 +36,11 @@ py::object sparse(HeldResult& held, const std::string& name) {
                                       : name == "lower"           ? rows->lower
                                                                   : rows->upper;
   if (values.size() != rows->columns.size()) return py::none();
-  return py::make_tuple(viewOf(values, rows), viewOf(rows->columns, rows), startsOf(rows));
+  return matrixOf(viewOf(values, rows), rows);
 }
 
 // Returns exchange areas as a sparse matrix; A_i F_ij and A_j F_ji are the same number.
-py::object exchangeAreas(HeldResult& held) {
+py::tuple exchangeAreas(HeldResult& held) {
   const std::shared_ptr<const SparseRows> rows = rowsOf(held);
   const FormFactors& form_factors = held.stored.form_factors;
   const std::vector<uint32_t> row_of_id = form_factors.ids().rows();
@@ -48,21 +52,28 @@ py::object exchangeAreas(HeldResult& held) {
     for (auto k = static_cast<size_t>(rows->starts[row]); k < static_cast<size_t>(rows->starts[row + 1]); ++k)
       areas.push_back(
           form_factors.exchangeArea(id_of_row[row], id_of_row[static_cast<size_t>(rows->columns[k])]).value);
-  return py::make_tuple(arrayOf(std::move(areas)), viewOf(rows->columns, rows), startsOf(rows));
+  return matrixOf(arrayOf(std::move(areas)), rows);
 }
 
 py::object balanced(HeldResult& held) {
   if (!held.stored.balanced) return py::none();
   const auto rows = std::make_shared<const SparseRows>(compressRows(*held.stored.balanced));
-  return py::make_tuple(viewOf(rows->form_factors, rows), viewOf(rows->columns, rows), startsOf(rows));
+  return matrixOf(viewOf(rows->form_factors, rows), rows);
+}
+
+// Returns the value of each id, by a function of the id; ids that were not requested get T{}.
+template <class T, class ValueOf>
+std::vector<T> ofRequested(const Ids& ids, const ValueOf& value_of) {
+  std::vector<T> values;
+  for (uint32_t id = 0; id < ids.count(); ++id) values.push_back(ids.isRequested(id) ? value_of(id) : T{});
+  return values;
 }
 
 py::tuple columnTo(const HeldResult& held, uint32_t to) {
   const FormFactors& form_factors = held.stored.form_factors;
-  std::vector<Measured> of_ids;
-  for (uint32_t id = 0; id < form_factors.ids().count(); ++id)
-    of_ids.push_back(form_factors.ids().isRequested(id) ? form_factors.formFactor(id, to) : Measured{});
-  return columnOf(form_factors.ids(), of_ids);
+  return columnOf(form_factors.ids(), ofRequested<Measured>(form_factors.ids(), [&](uint32_t id) {
+                    return form_factors.formFactor(id, to);
+                  }));
 }
 
 // Returns (lower, upper) of all rows; None where the result has no intervals.
@@ -70,17 +81,15 @@ py::object boundsTo(const HeldResult& held, uint32_t to) {
   const FormFactors& form_factors = held.stored.form_factors;
   if (!form_factors.hasIntervals()) return py::none();
   std::vector<double> lower, upper;
-  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) {
-    const Interval interval = form_factors.ids().isRequested(id) ? form_factors.interval(id, to) : Interval{};
+  for (const Interval& interval :
+       ofRequested<Interval>(form_factors.ids(), [&](uint32_t id) { return form_factors.interval(id, to); }))
     lower.push_back(interval.lower), upper.push_back(interval.upper);
-  }
-  return py::make_tuple(arrayOf(spreadOverRows(form_factors.ids(), lower)),
-                        arrayOf(spreadOverRows(form_factors.ids(), upper)));
+  return py::make_tuple(overRows(form_factors.ids(), lower), overRows(form_factors.ids(), upper));
 }
 
 py::array_t<double> rowSums(const HeldResult& held) {
   const FormFactors& form_factors = held.stored.form_factors;
-  return arrayOf(spreadOverRows(form_factors.ids(), split(form_factors.rowSums()).first));
+  return overRows(form_factors.ids(), split(form_factors.rowSums()).first);
 }
 
 py::object closure(const HeldResult& held) {
@@ -113,9 +122,13 @@ std::pair<std::vector<double>, std::vector<double>> split(const std::vector<Meas
   return {std::move(values), std::move(errors)};
 }
 
+py::array_t<double> overRows(const Ids& ids, const std::vector<double>& of_ids) {
+  return arrayOf(spreadOverRows(ids, of_ids));
+}
+
 py::tuple columnOf(const Ids& ids, const std::vector<Measured>& of_ids) {
   const auto [values, errors] = split(of_ids);
-  return py::make_tuple(arrayOf(spreadOverRows(ids, values)), arrayOf(spreadOverRows(ids, errors)));
+  return py::make_tuple(overRows(ids, values), overRows(ids, errors));
 }
 
 void addResult(py::module_& module) {
@@ -133,7 +146,7 @@ void addResult(py::module_& module) {
       .def("areas",
            [](const HeldResult& held) {
              const Ids& ids = held.stored.form_factors.ids();
-             return arrayOf(spreadOverRows(ids, ids.areas));
+             return overRows(ids, ids.areas);
            })
       .def_property_readonly("surface_names", [](const HeldResult& held) { return held.stored.surface_names; })
       .def_property_readonly("parameters", [](const HeldResult& held) { return held.stored.parameters; })

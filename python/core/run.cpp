@@ -69,12 +69,6 @@ class Checkpoint {
   std::chrono::steady_clock::time_point written_ = std::chrono::steady_clock::now();
 };
 
-std::vector<std::string> surfaceNames(const Scene& scene) {
-  std::vector<std::string> names;
-  for (const Surface& surface : scene.surfaces) names.push_back(surface.name);
-  return names;
-}
-
 // Counts until the run ends or the observer stops it.    Out: the result; null with fewer than 2 replicates
 std::shared_ptr<HeldResult> count(const HeldScene& held, const Request& request, const std::string& checkpoint,
                                   bool resumes, const Observer& observer) {

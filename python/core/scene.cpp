@@ -48,19 +48,19 @@ SceneOptions optionsOf(std::vector<std::string> sheets, std::vector<std::string>
   return {std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m, std::move(zones), outside};
 }
 
-std::vector<std::string> surfaceNames(const HeldScene& held) {
+}  // namespace
+
+std::vector<std::string> surfaceNames(const Scene& scene) {
   std::vector<std::string> names;
-  for (const Surface& surface : held.scene->surfaces) names.push_back(surface.name);
+  for (const Surface& surface : scene.surfaces) names.push_back(surface.name);
   return names;
 }
-
-}  // namespace
 
 void addScene(py::module_& module) {
   py::class_<HeldScene>(module, "Scene")
       .def_property_readonly("file", [](const HeldScene& held) { return held.scene->file; })
       .def_property_readonly("polygon_count", [](const HeldScene& held) { return held.scene->faces.size(); })
-      .def_property_readonly("surface_names", surfaceNames)
+      .def_property_readonly("surface_names", [](const HeldScene& held) { return surfaceNames(*held.scene); })
       .def_property_readonly("warnings", [](const HeldScene& held) { return held.scene->warnings; });
   module.def(
       "load_scene",
