@@ -39,8 +39,8 @@ DirectionRegion DirectionRegion::hemisphere(const glm::dvec3& pole) {
   return region;
 }
 
-// Source: I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974. Corners outside by no more
-// than rounding are kept.
+// This clips as I. E. Sutherland & G. W. Hodgman, Reentrant polygon clipping, CACM 17(1), 1974. Corners outside by no
+// more than rounding are kept.
 void DirectionRegion::clip(const glm::dvec3& inner_normal) {
   std::vector<Arc> kept;
   for (size_t k = 0; k < arcs_.size(); ++k) {

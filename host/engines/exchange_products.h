@@ -27,7 +27,7 @@ class ExchangeProducts {
   ExchangeProducts(const Scene& scene, PolygonShares shares, const LatticeOptions& options);
   ~ExchangeProducts();
 
-  // As PairProducts::Outside, in counts; shares of lines are fractions of counts.
+  // An Outside is as PairProducts::Outside, in counts. With shares its numbers have fractions.
   struct Outside {
     double ahead = 0, behind = 0, leak = 0, own = 0;
   };

@@ -48,7 +48,7 @@ struct IdRules {
   bool two_sided, counts_environment;
   bool all_count;         // every polygon emits and receives
   bool are_indices;       // every polygon is its own id
-  uint32_t needed_roles;  // a tile is peeled only where its polygons have all these roles; 0 where all count
+  uint32_t needed_roles;  // a tile is peeled only where its polygons together have these roles; 0 where all count
 };
 
 // PassSettings are the settings that the passes of all batches share. The engine keeps the objects alive.

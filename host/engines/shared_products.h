@@ -1,6 +1,8 @@
 // SharedProducts multiply the exchange of rows by vectors where each polygon's lines are shared between two rows, in
 // another proportion along each direction: docs/method.md, section 15.
 //   y_p += a_p(u) count_ij(u) sum_q a_q(u) x_q   for the rows p of polygon i, the rows q of polygon j, and back
+// Here count_ij(u) are the facing lines of i and j along u, a_p(u) is row p's share of its polygon's lines, x are the
+// factors and y the products of rows.
 #pragma once
 #include <cstdint>
 #include <functional>
@@ -38,7 +40,7 @@ class SharedProducts {
   void start(const PolygonShares& shares, std::span<const int64_t> factors, size_t columns, bool counts_outside);
   // Begins a direction, whose lines are then added to the products of polygons that are returned.
   PairProducts& begin(const glm::dvec3& u);
-  // Ends the direction, and adds the sums of polygons to those of rows.
+  // Ends the direction, and divides the sums of each polygon among its rows.
   void end();
 
   // Returns a sum, and what a row's lines met outside of all pairs, in 2^-kOutsideBits counts.

@@ -84,7 +84,8 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
   return intervals;
 }
 
-// Adds an environment to rows in which no line left the scene, where other rows have one: its interval bounds it.
+// Adds an environment to each row in which no line left the scene, if other rows have one. So every row has an interval
+// for its environment.
 FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
   std::vector<char> has_environment(ids_.count(), false);
   bool is_open = false;

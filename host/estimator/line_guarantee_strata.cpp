@@ -11,14 +11,14 @@ namespace viewpeel {
 namespace {
 
 constexpr uint64_t kStrataSeries = 2000;  // series of looks at strata; uniform lines and pilots have smaller numbers
-constexpr double kFirstStrata = 4;        // of l M / allowed: more than twice what suffices where no lines differ
-constexpr double kWorthStrata = 0.8;      // of the candidates of uniform lines: what strata may take
+constexpr double kFirstStrata = 4;        // the first look has this times l M / allowed lines (section 14, Strata)
+constexpr double kWorthStrata = 0.8;      // strata may take this share of the candidates of uniform lines
 constexpr double kVarianceRate = 1.25;    // N lines in strata leave a variance of about N^-1.25
 // The variance of N lines is about this times b (1 - b) M G N^-1.25. Most large entries of an office were measured to
 // be within a factor of two of it.
 constexpr double kVarianceOfStrata = 5.6;
 constexpr double kShareOfDeviation = 0.9;       // of the error allowed to an entry: a look is planned for this share
-constexpr double kMostStrataLines = 4'000'000;  // of a look
+constexpr double kMostStrataLines = 4'000'000;  // most lines of a look at strata
 constexpr double kMoreCells = 1.1;              // cells drawn over cells wanted, at most (UniformLines::drawStrata)
 
 }  // namespace

@@ -1,5 +1,6 @@
 // VisibilityBounds bounds the errors of guarantees with unoccluded form factors. Their estimates are the means of
-// V - b (V + O - F0), where a pilot has fixed the visibility b.
+// V - b (V + O - F0) over directions. V and O are a direction's facing and blocked lines as form factors, F0 is the
+// unoccluded form factor, and b the visibility that a pilot has fixed.
 //
 // Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M]
 // with M the range of the smaller polygon (bounds.h), because a line counts once at most, blocked or not. Eq. (31)

@@ -66,7 +66,8 @@ class Corners {
   glm::dvec3 middles_[2];
 };
 
-// Returns whether a patch touches a blocker nowhere but at the patch's edges, or not at all.
+// Returns true where a patch and a blocker surely have no point in common, except on the patch's edges. It may return
+// false for others that are apart, too.
 bool areApart(const Patch& patch, const Blocker& blocker);
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.

@@ -18,8 +18,9 @@ namespace {
 constexpr double kDegree = std::numbers::pi / 180, kRounding = 1e-12;
 constexpr const char* kHeader = "angle_degrees,relative_emissivity";
 
-// Returns int g sin(2 angle) over all angles, g being linear between those of the table: the mean of g, weighted by the
-// cosine. Each piece is exact: int (a + b x) sin 2x dx = -(a + b x) cos(2x) / 2 + b sin(2x) / 4.
+// Returns the integral of g sin(2 angle) over all angles, the mean of g weighted by the cosine: eq. (57). g is linear
+// between the angles of the table, and each piece is exact: int (a + b x) sin 2x dx = -(a + b x) cos(2x) / 2 +
+// b sin(2x) / 4.
 double meanOfTable(const DirectionalLaw& law) {
   double mean = 0;
   for (size_t k = 0; k + 1 < law.values.size(); ++k) {

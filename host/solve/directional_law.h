@@ -12,8 +12,8 @@ class RelativeEmissivity {
   //   In: law: kept by reference, and sound: findFault(law) is empty
   explicit RelativeEmissivity(const DirectionalLaw& law);
 
-  // Returns g at an angle whose cosine is given, in [0, 1]. The mean of g over the hemisphere, weighted by the cosine,
-  // is 1.
+  // Returns the emissivity g at an angle relative to the hemispherical one.    In: cosine: of the angle, in [0, 1]
+  //   Out: g, whose mean over the hemisphere, weighted by the cosine, is 1
   //   Error: rounding. Tests: tests/unit/directional_law_test.cpp.    Cost: O(log (angles of the table)).
   double at(double cosine) const;
   double largest() const { return largest_; }
@@ -32,7 +32,7 @@ std::string findFault(const DirectionalLaw& law);
 // where nothing is.
 std::string findExcess(double emissivity, const DirectionalLaw& law);
 
-// Refuses directional materials where form factors are given: these are of diffuse rows.    Throws: Error bad_usage.
+// Refuses directional materials where form factors are given, which are of diffuse rows.    Throws: Error bad_usage.
 void requireDiffuse(const Enclosure& enclosure);
 
 // Reads a table of relative emissivities, .csv with the header `angle_degrees,relative_emissivity`.

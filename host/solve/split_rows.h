@@ -15,7 +15,7 @@ namespace viewpeel {
 struct SplitRows {
   Ids ids;                              // with areas e A of emitters, and (1 - e) A of reflectors
   Enclosure enclosure;                  // emissivities are 1 for emitters, 0 for reflectors
-  AnswerRows answers;                   // the rows before
+  AnswerRows answers;                   // for each row of the enclosure before the split: its rows after it
   std::optional<PolygonShares> shares;  // unset where all rows are diffuse
 };
 

@@ -14,8 +14,8 @@ struct Lines {
   float facing = 0, all = 0;
 };
 
-// A Level divides ranks into `side` groups. Block a side + b holds the lines between the ids of groups a and b >= a;
-// the others stay empty.
+// A Level divides ranks into `side` groups. The block at a * side + b holds the lines between the ids of groups a and
+// b >= a; blocks with b < a stay empty.
 struct Level {
   size_t side;
   std::vector<Lines> blocks;

@@ -28,7 +28,7 @@ const GaussRule& gaussRule(int n);
 
 struct LineIntegral {
   long double value = 0;
-  long double error = 0;  // sum of |16-point - 10-point| over the leaves
+  long double error = 0;  // sum of |16-point - 10-point rule| over the intervals that were not halved
 };
 
 // Returns the integral of f over [low, high]. Intervals are halved until the 10-point and the 16-point Gauss rule

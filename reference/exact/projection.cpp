@@ -167,8 +167,8 @@ double Projection::lengthInProjection(uint32_t a, uint32_t b) const {
   return glm::length(in_space - glm::dot(in_space, along) * along);
 }
 
-// Returns the corners themselves where they turn one way throughout, which four corners can do in a convex way only;
-// the convex hull of the exact points otherwise (A. M. Andrew's monotone chain, 1979).
+// Returns the corners themselves where they turn one way throughout; up to four such corners are convex. Otherwise it
+// returns the convex hull of the exact points (A. M. Andrew's monotone chain, 1979).
 std::vector<uint32_t> Projection::makeOutline(const Polygon& polygon,
                                               const std::vector<uint32_t>& vertex_of_corner) const {
   const auto first = vertex_of_corner.begin() + polygon.first_corner;
