@@ -109,7 +109,7 @@ glm::dvec3 DirectionRegion::map(double around, double outwards) const {
   if (arc == arcs_.end()) --arc;
   const double before = arc == arcs_.begin() ? 0 : std::prev(arc)->solid_angle_to_here;
   const double area = arc->first_area + (target - before);
-  // Half the angle from the foot to the point on the boundary.
+  // `half` is half the angle from the foot to the point on the boundary.
   const double half = std::atan2(std::sin(area / 2), arc->half_tangent * std::cos(area / 2));
   const glm::dvec3 edge = std::cos(2 * half) * arc->foot + std::sin(2 * half) * arc->along;
   // Along the arc from the centre to the boundary, 1 - cos(distance) is uniform. It is half the square of the chord.

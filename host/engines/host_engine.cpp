@@ -18,7 +18,8 @@
 namespace viewpeel {
 namespace {
 
-// Bytes of a thread's dense counters. Larger counters are seldom in the processor's caches, and take long to clear.
+// A thread's dense counters have at most this number of bytes. Larger ones are seldom in the processor's caches, and
+// take long to clear.
 constexpr uint64_t kDenseBudget = 16u << 20;
 constexpr uint64_t kMostChunk = 64;  // directions that a thread takes at once
 

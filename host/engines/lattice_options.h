@@ -27,7 +27,8 @@ struct LatticeOptions {
   // that end on backs for nothing.
   bool split_environment = false;
   uint32_t batch_directions = 0;  // directions of a batch; 0: chosen by memory
-  // Bytes of dense counters; where they would take more, the compute and host engines have hash tables. 0: chosen.
+  // Dense counters take at most this number of bytes; 0: the engine chooses. Where they would take more, the compute
+  // and host engines have hash tables.
   uint64_t counter_budget_bytes = 0;
 
   // The compute engine chooses these where they are 0. Tests set them to show that they do not change a result.
@@ -43,7 +44,8 @@ struct LatticeOptions {
   uint32_t list_capacity = 0;      // entries for which all tiles' lists have room at first
   uint32_t table_capacity = 0;     // places of the hash table at first
   uint32_t most_blocks = 0;        // blocks of polygons that one invocation of peel goes through
-  // Memory for all batches in flight. A single direction that needs more gets it, one batch at a time.
+  // All batches in flight together take at most this memory; 0: the engine chooses. A single direction that needs more
+  // gets it, one batch at a time.
   uint64_t memory_budget_bytes = 0;
   uint64_t available_bytes = 0;  // memory of the device, or of the machine; an engine that needs more is refused
   bool measure_work = false;     // whether Engine::work() counts work

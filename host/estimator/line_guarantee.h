@@ -69,7 +69,7 @@ class LineGuarantee {
     double allowed = 0;              // error of the exchange area that the guarantee allows
     double log_chance = 0;           // ln(1 / p), where p is the chance that one side of one bound fails
     double first_weight = 0;         // largest exchange area that one line stands for, at the first look
-    double weight = 0;               // and at the last look
+    double weight = 0;               // largest exchange area that one line stands for, at the last look
     uint32_t first_part = 0, part_count = 0;
     uint32_t looks = 1, look = 0;             // most looks at uniform lines, and looks done
     uint32_t strata_looks = 0;                // how many looks at lines in strata may still follow

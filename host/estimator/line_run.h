@@ -64,7 +64,7 @@ class LineRun {
   double count_area_;
   RunSums sums_;
   double largest_error_ = INFINITY;
-  // By pair: how many times its planned lines it draws in the next replicate. Empty when no pair needs more.
+  // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
   bool needs_directions_ = false;  // whether counts of common directions err by more than the goal allows
   bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs

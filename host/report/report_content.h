@@ -28,7 +28,8 @@ struct ReportContent {
   std::vector<std::string> names;  // of rows
   std::vector<double> areas;       // emitting, input units squared
   std::vector<ReportColumn> columns;
-  // Compressed sparse rows: the entries of row i are from starts[i] to starts[i + 1], columns ascending.
+  // Rows are compressed: the entries of row i are from starts[i] to starts[i + 1] - 1, and `to` has their columns,
+  // ascending.
   std::vector<int64_t> starts;
   std::vector<int32_t> to;
   std::vector<double> form_factors, standard_errors;

@@ -23,8 +23,8 @@ constexpr size_t kExactBytes = 20'000'000;     // form factors are doubles where
 constexpr size_t kGeometryBytes = 30'000'000;  // most bytes of polygons
 constexpr size_t kSpareBytes = 1'000'000;      // reserve for tables and the survey
 constexpr int64_t kBlockEntries = 1 << 15;     // entries that the page decodes together
-constexpr size_t kListed = 2000;               // number of form factors in the table of the largest
-constexpr size_t kWorst = 200;                 // number of errors in the table of the largest
+constexpr size_t kListed = 2000;               // number of form factors in the table of the largest ones
+constexpr size_t kWorst = 200;                 // number of errors in the table of the largest ones
 constexpr size_t kPictureSize = 256;
 
 // JSON has no infinity, so an infinite value is null.

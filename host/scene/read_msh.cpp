@@ -22,7 +22,7 @@ const std::array<FaceType, 5> kFaceTypes = {{{2, {0, 1, 2}},
                                              {9, {0, 3, 1, 4, 2, 5}},
                                              {16, {0, 4, 1, 5, 2, 6, 3, 7}},
                                              {10, {0, 4, 1, 5, 2, 6, 3, 7}}}};
-// Number of nodes of element types 0 to 31; 0 for an unknown type.
+// Element types 0 to 31 have these numbers of nodes; 0 stands for an unknown type.
 constexpr uint32_t kNodeCounts[] = {0, 2,  3,  4,  4, 8,  6,  5,  3,  6,  9, 10, 27, 18, 14, 1,
                                     8, 20, 15, 13, 9, 10, 12, 15, 15, 21, 4, 5,  6,  20, 35, 56};
 // Triangles of these types have more nodes than corners and mid nodes.

@@ -46,7 +46,8 @@ class BandSystem {
     Eigen::VectorXd temperature;
     BandVectors irradiation;
   };
-  //   In: disturbances: by band, W    Error: 1e-7 of the disturbance. Several threads may call it at once.
+  // Returns the response to a disturbance of A H_k in each band k. Several threads may call it at once.
+  //   In: disturbances: by band and row, W    Error: 1e-7 of the disturbance.
   Response respond(const BandVectors& disturbances) const;
 
  private:

@@ -18,7 +18,7 @@ struct ClosedExchange {
   double environment_share = 0;  // share of all emitted radiation that leaves the scene
   double largest_lack = 0;       // the lack of the row whose sum is farthest from 1; below 0 where the sum exceeds 1
   uint32_t lacking_row = 0;
-  // By row: whether the environment is 1 less the row's pairs, so that its error follows from theirs.
+  // A row is true here if its environment is 1 less its pairs, so that its error follows from theirs: bool[row].
   std::vector<bool> environment_is_rest;
 };
 

@@ -43,8 +43,8 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
 struct LineCount {
   uint32_t pair;    // index of the pair
   uint32_t blocks;  // blocks of 16 lines that were drawn
-  // Weight of the lines that nothing blocks, and of all lines. Of LinePair::blocks blocks `all` is kLineUnit on
-  // average.
+  // These are the weights of the lines that nothing blocks, and of all lines. The unit is such that `all` is kLineUnit
+  // on average for LinePair::blocks blocks.
   uint32_t facing, all;
   uint32_t effective;  // number of lines of equal weight that carry as much information, in units of 1/256
 

@@ -13,13 +13,13 @@ namespace viewpeel {
 // The pair is face i with face j, or with environment or leak.
 struct PairPrior {
   uint32_t i, j;  // i < j
-  // Visibility of the pair in control variates of faces, and its value where no line met it; in units of
-  // 2^-kVisibilityBits.
+  // This is the visibility of the pair in control variates of faces, and the pair's visibility where no line met it.
+  // Its unit is 2^-kVisibilityBits.
   uint32_t visibility = 0;
-  // Visibility of the pair in control variates between surfaces: the same, or 0.
+  // This is the visibility of the pair in control variates between surfaces: the same, or 0.
   uint32_t surface_visibility = 0;
-  // Unoccluded exchange area, or A_i for environment and leak, in input units squared. Where it is unknown it is
-  // infinite, and both visibilities are 0.
+  // This is the unoccluded exchange area, or A_i for environment and leak, in input units squared. Where it is unknown
+  // it is infinite, and both visibilities are 0.
   double exchange = 0;
 
   bool operator==(const PairPrior&) const = default;

@@ -28,14 +28,14 @@ std::vector<ControlVariate> takeDirectedControlVariates(const PairCounts& counts
 
 // A Prior holds the unoccluded exchange areas and visibilities of pairs, fixed before the first replicate of the run.
 struct Prior {
-  // Pairs of faces, sorted by (i, j). Without has_all_pairs they are the pairs that pilots met, and further pairs that
-  // learn() adds during the run.
+  // The list holds pairs of faces, sorted by (i, j). Without has_all_pairs they are the pairs that pilots met, and
+  // further pairs that learn() adds during the run.
   std::vector<PairPrior> pairs;
   std::vector<uint64_t> lines;           // as in lineOf, by face
   bool has_all_pairs = false;            // whether pairs that are not in `pairs` cannot see each other
   std::vector<DirectedPair> directed{};  // sorted by (i, j)
-  // Rank of each face by place, as rankByPlace() returns it. Where it is empty, pairs that no line met do not take
-  // their neighbours' visibility.
+  // Faces have these ranks by place, as rankByPlace() returns them. Where the list is empty, pairs that no line met do
+  // not take their neighbours' visibility.
   std::vector<uint32_t> ranks{};
 
   bool operator==(const Prior&) const = default;

@@ -21,15 +21,15 @@ struct ReplicateRange {
 
 // All sums are integers, so they do not depend on the order of replicates.
 struct RunSums {
-  // Counts by id. There are only row sums where hasPairsInVisible() holds. In runs with pair lines there is only what
-  // has no lines: environment, leak, and pairs below LineSums::leastFormFactor().
+  // Counts are summed by id here. There are only row sums where hasPairsInVisible() holds. In runs with pair lines only
+  // counts without lines are here: environment, leak, and pairs below LineSums::leastFormFactor().
   ReplicateSums by_id;
   ReplicateSums by_surface;                // the same counts added up by surface
   std::vector<ReplicateRange> replicates;  // replicates done: sorted, with a gap between ranges
   uint64_t directions = 0;                 // common directions of all replicates
   double measure_area = 0;                 // as in ReplicateSums, input units squared; 0 before the first replicate
   std::optional<PriorSums> prior_sums{};   // in runs that use unoccluded form factors; ids of by_id are faces then
-  // Sums of pair lines, in runs with pair lines. Ids of by_id are faces then.
+  // A run with pair lines has their sums here. Ids of by_id are faces then.
   std::optional<LineSums> lines{};
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }

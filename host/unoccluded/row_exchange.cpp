@@ -15,7 +15,8 @@ namespace viewpeel {
 namespace {
 
 constexpr float kMostError = 0.05f;  // pairs with a larger relative error are computed in double precision
-// Rounding of a depth in unit-ball units: a normal times coordinates of up to 1, three products in single precision.
+// Rounding moves a depth by at most this, in unit-ball units: a depth is a normal times coordinates of up to 1, three
+// products in single precision.
 constexpr float kRounding = 5e-7f;
 // The rule's mean of max(0, depth) over a polygon is off by at most this many radii of the polygon (see addPolygon).
 constexpr float kCutError = 0.1f;

@@ -47,7 +47,8 @@ struct CheckRow {
   double worst_standard_error = 0;
   uint64_t spread_regions = 0;  // regions that are wide enough for the asymptotic variance
   double spread_ratio = 1;      // measured over predicted variance, each summed over these regions
-  // Areas of all pairs, environment and leak: the mean over lattices, summed over directions.
+  // Areas of all pairs, environment and leak are added up here, and leak alone: means over lattices, summed over
+  // directions, in unit-ball units squared.
   double total_counted = 0, total_exact = 0;
   double leak_counted = 0, leak_exact = 0;
   bool unbiased = true;
