@@ -138,7 +138,7 @@ def occluded():
         low, high = 0.5 - side / 2, 0.5 + side / 2
         shapes = {"low": rectangle((0, 1), (0, 1), 0, 1), "high": rectangle((0, 1), (0, 1), 1, -1),
                   "block.up": rectangle((low, high), (low, high), 0.5, 1), "block.down": rectangle((low, high), (low, high), 0.5, -1)}  # fmt: skip
-        yield Case("occluded", f"unit squares at 1, a square {side} midway", "derived", shapes, "low", "high", forms.square_midway(side))
+        yield Case("occluded", f"unit squares at 1, a square {side} midway", "derived", shapes, "low", "high", forms.past_square(side, 0.5))
     room = merged("room", box((0, 0, 0), (1, 1, 1), -1))
     for side in (0.2, 0.6):
         low, high = 0.5 - side / 2, 0.5 + side / 2
@@ -153,6 +153,7 @@ def occluded():
         plate = {"plate.up": rectangle((low, high), (low, high), height, 1), "plate.down": rectangle((low, high), (low, high), height, -1)}
         form = forms.parallel_rectangles((low, high), (low, high), (0, 1), (0, 1), height)
         yield Case("occluded", f"plate {side} at {height} in a cube: plate to floor", "C-13", room | plate, "plate.down", "room.z0", form)
+        yield Case("occluded", f"plate {side} at {height} in a cube: floor to ceiling", "derived", room | plate, "room.z0", "room.z1", forms.past_square(side, height))
         share = 2 * side * side / 6
         yield Case("occluded", f"plate {side} at {height} in a cube: room to itself", "reciprocity", room | plate, "room", "room", 1 - share)
 

@@ -157,21 +157,21 @@ def sphere_to_corner(a, b, distance):
     return atan(a * b / (distance * sqrt(a * a + b * b + distance**2))) / (4 * pi)
 
 
-def square_midway(blocker):
-    """Returns F between unit squares at distance 1 with a parallel square of this side midway. Take lines whose two ends
-    differ by d. In each coordinate their middles fill an interval of length 1 - |d|, and the blocker stops the part it
-    covers. So one double integral of a smooth kernel is left, with kinks where 1 - |d| is the blocker's side."""
-    rule = []
+def past_square(side, height):
+    """Returns F between unit squares at distance 1 with a parallel square of this side over their middle, at this height.
+    Take lines whose two ends differ by d >= 0 in one coordinate; those of the other sign mirror them. They start within
+    1 - d of length, and the square stops the part from which they pass its height between its edges. So one double
+    integral of a smooth kernel is left, with kinks where an end of this part meets an end of the range."""
+    first, last = (1 - side) / 2, (1 + side) / 2
+    kinks = (first / height, first / (1 - height), last / height, last / (1 - height))
+    ends = sorted({0, 1, *(d for d in kinks if 0 < d < 1)})
 
-    def weight(d):
-        return min(1 - d, blocker)
-
-    cut = 1 - blocker
+    def stopped(d):
+        return max(0, min(1 - d, last - height * d) - max(0, first - height * d))
 
     def kernel(p, q):
-        return weight(p) * weight(q) / (pi * (1 + p * p + q * q) ** 2)
+        return stopped(p) * stopped(q) / (pi * (1 + p * p + q * q) ** 2)
 
-    for low, high in ((0, cut), (cut, 1)):
-        for low2, high2 in ((0, cut), (cut, 1)):
-            rule.append(quad(lambda p: quad(lambda q: kernel(p, q), low2, high2, epsabs=1e-13)[0], low, high, epsabs=1e-13)[0])
+    pieces = list(zip(ends, ends[1:]))
+    rule = [quad(lambda p: quad(lambda q: kernel(p, q), *of_q, epsabs=1e-13)[0], *of_p, epsabs=1e-13)[0] for of_p in pieces for of_q in pieces]
     return equal_rectangles(1, 1, 1) - 4 * sum(rule)
