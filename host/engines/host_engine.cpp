@@ -151,7 +151,8 @@ constexpr size_t kScanlinePolygons = 2400;
 // With a prior, scanlines are still better in the office refined to 9,280 polygons. After the same time their rms error
 // is smaller by 5 to 25 %, and their largest error is a quarter of lattice points' largest error.
 constexpr size_t kScanlinePolygonsWithPrior = 10'000;
-// Smallest area of a row, in unit-ball units squared, that scanlines in windows hit often enough (estimator/plan.cpp).
+// Scanlines in windows hit a row often enough if its area is above this, in unit-ball units squared
+// (estimator/plan.cpp).
 constexpr double kScanlineArea = 1e-10;
 constexpr int kLeastResolution = 64;
 

@@ -23,8 +23,8 @@ struct LatticeOptions {
   Sampling sampling = Sampling::lattice;
   Window window;               // a window smaller than the scene allows resolutions up to kMaxWindowResolution
   bool count_blocked = false;  // whether blocked pairs are counted, too: PairCount::blocked
-  // In the host engine, lines that leave the scene along u count for kEnvironment, lines along -u for kLeak, and lines
-  // that end on backs for nothing.
+  // Where it is true, the host engine counts lines that leave the scene along u for kEnvironment, and along -u for
+  // kLeak. Lines that end on backs then count for nothing.
   bool split_environment = false;
   uint32_t batch_directions = 0;  // directions of a batch; 0: chosen by memory
   // Dense counters take at most this number of bytes; 0: the engine chooses. Where they would take more, the compute

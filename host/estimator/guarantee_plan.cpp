@@ -22,7 +22,7 @@ constexpr uint32_t kPilotBlocks = 24, kPilotDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // ranges M of eq. (27) that are tried
 constexpr std::array kBlockDirections = {1u, 4u, 16u};     // numbers of directions of a block
 constexpr uint32_t kPriorPilotDirections = 1024;
-constexpr uint64_t kFewestBlocks = 8;  // fewer blocks do not give a standard error
+constexpr uint64_t kFewestBlocks = 8;  // fewer blocks give too rough a standard error
 // If a lattice takes more than this multiple of the best time so far, finer lattices are not tried.
 constexpr double kDearer = 1.5;
 

@@ -111,7 +111,7 @@ class LineGuarantee {
   struct Row {
     double lower = 0, upper = 0;              // ends of their intervals
     double first = 0, open = 0, squares = 0;  // clear and facing, open, and first_variance, after the first looks
-    double rounding = 0;                      // of Entry::rounding()
+    double rounding = 0;                      // sum of Entry::rounding()
   };
 
   std::vector<Row> sumRows() const;

@@ -52,8 +52,8 @@ void drawOnRanks(Crew& crew, RankWork work, std::span<Task> tasks, const std::ve
 
 }  // namespace
 
-// Returns the cost of a line in each part of a pair, in units of one line without blockers. A test against one blocker
-// costs as much.
+// Returns the cost of one line in each part of a pair that something may block, all parts together. The unit is a line
+// without blockers; a test against one blocker costs as much.
 double PairLines::costOf(const Group& group) const {
   double cost = 0;
   for (uint32_t part = group.first; part < group.first + group.count; ++part)

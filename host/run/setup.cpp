@@ -115,8 +115,8 @@ Setup::Setup(const Scene& scene, Request request, std::function<void(uint64_t)> 
 
 // Decides whether to use unoccluded form factors (docs/speed.md). Between surfaces they pay for small tolerances only:
 // counts of surfaces vary less than counts of their parts. Where lines hit many fronts, as with two-sided polygons,
-// counting blocked pairs costs more than it gains. In a guarantee all unoccluded form factors would come before any
-// test.
+// counting blocked pairs costs more than it gains. A guarantee would have to compute all unoccluded form factors before
+// its first look at a bound.
 void Setup::settleUnoccluded() {
   const bool pays =
       !request_.two_sided && !guarantee() &&

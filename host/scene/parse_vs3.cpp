@@ -88,7 +88,7 @@ class Words {
   bool is_inside_line_ = false;
 };
 
-// A Counted collects the places of one fault, for a single warning.
+// A Counted counts the places of one fault and keeps the first, for a single warning.
 struct Counted {
   uint64_t count = 0;
   uint32_t first_line = 0;

@@ -64,7 +64,7 @@ double sizeOf(const Corners& corners) {
   return size;
 }
 
-// Moves a window into the plane of its wall. Returns the distance over the wall's size.
+// Moves a window into the plane of its wall. Returns the largest distance that a corner moved, over the wall's size.
 double moveIntoPlane(Corners& window, const Corners& wall, const FilePlace& place, const std::string& name) {
   const glm::dvec3 up = twiceAreaNormal(wall), of_window = twiceAreaNormal(window);
   const double size = sizeOf(wall);

@@ -29,7 +29,8 @@ struct LinePair {
 
   // Returns how many lines are planned for this number of replicates, on average.
   double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
-  // Returns whether the pair has lines in the replicate of this number. Different pairs have them in different ones.
+  // Returns whether the pair has lines in the replicate of this number. Different pairs have lines in different
+  // replicates.
   bool hasLines(uint64_t replicate) const {
     return blocks && (replicate + i * 0x9E3779B9u + j * 0x85EBCA6Bu) % period == 0;
   }

@@ -67,8 +67,8 @@ struct RunSums {
 // Makes the sums of a run without replicates.
 RunSums makeRunSums(const Scene& scene, const Ids& ids);
 
-// Returns the replicates that a range of `b` shares with a range of `a`, for the first such range of `b`; an empty
-// range where there are none.    In: a, b: sorted
+// Returns the replicates that `a` and `b` share, of the first range of `b` that shares any; an empty range where none
+// does.    In: a, b: sorted
 ReplicateRange findShared(const std::vector<ReplicateRange>& a, const std::vector<ReplicateRange>& b);
 
 }  // namespace viewpeel
