@@ -2,7 +2,7 @@
 // hold for every scene, and include the error of the lattice.
 //
 // Derivation: docs/method.md, section 9. A direction's estimate of F_ij lies in [0, M_i], where i is the smaller
-// polygon of the pair. M_i is that of eq. (27) or (28), or 2 for exact areas (bounds.h). The m bounds are one for each
+// polygon of the pair. M_i is M of eq. (27) or (28), or 2 for exact areas (bounds.h). The m bounds are one for each
 // unordered pair of ids, for each id of several polygons with itself, and for each id's environment and leak.
 // Hoeffding's bound (29) may fail with probability delta / 2. The empirical Bernstein bound (30) has the other half of
 // delta, over all looks and all m bounds. With unoccluded form factors the bounds of visibility_bounds.h take their
