@@ -30,7 +30,7 @@ std::string findNeedOfMatrix(const SolveCommand& command, const MaterialTable& t
 
 MatrixFreeRequest requestOf(const SolveCommand& command) {
   MatrixFreeRequest request{.by = command.request.by, .two_sided = command.request.two_sided};
-  if (command.tolerance) request.tolerance = *command.tolerance;
+  request.tolerance = command.tolerance;
   request.seed = command.request.seed;
   request.threads = command.request.threads;
   request.time_limit_s = command.request.time_limit_s;
@@ -113,8 +113,8 @@ int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, 
   progress.clear();
   warnOfEnvironment(table, found.heat);
   for (const std::string& output : command.outputs) writeHeat(found.heat, command.request.by, output);
-  const double reached = largestHeatError(found.heat, request.tolerance.of);
-  const std::string tolerance = describeTolerance(request.tolerance, reached);
+  const double reached = largestHeatError(found.heat, found.tolerance.of);
+  const std::string tolerance = describeTolerance(found.tolerance, reached);
   if (!found.is_reached) warn(fmt::format("the run ended before the tolerance: standard errors of {}", tolerance));
   if (command.json) printJson(command, found);
   if (command.talks()) printAnswers(command, table, request, found, tolerance);

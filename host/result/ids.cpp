@@ -20,11 +20,6 @@ Ids makeIds(const Scene& scene, By by, bool two_sided) {
   Ids ids;
   ids.empty_rows = by == By::surface ? scene.empty_surfaces : scene.empty_faces;
   ids.two_sided = two_sided;
-  for (const Surface& surface : scene.surfaces)
-    if (surface.name == "environment" || surface.name == "leak")
-      throw Error(ErrorCode::bad_input,
-                  fmt::format("{}: a surface is called '{}', which stands for something else in the result; rename it",
-                              scene.file, surface.name));
   if (by == By::surface) {
     for (const Surface& surface : scene.surfaces) {
       ids.surface.push_back(ids.count());

@@ -1,6 +1,7 @@
 #include "scene/face_names.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <optional>
 #include <string_view>
@@ -27,6 +28,12 @@ std::optional<NumberedName> splitName(const std::string& name) {
   const auto [end, failure] = std::from_chars(first, last, number);
   if (failure != std::errc() || end != last || number == 0 || *first == '0') return std::nullopt;
   return NumberedName{name.substr(0, open), number};
+}
+
+// Returns "FILE:LINE" of a surface's first face, or "FILE" where faces have no lines.
+std::string placeOf(const InputScene& input, uint32_t surface) {
+  const auto face = std::ranges::find(input.faces, surface, &InputFace::surface);
+  return input.file + (face->line ? fmt::format(":{}", face->line) : "");
 }
 
 std::vector<uint32_t> countFaces(const InputScene& input) {
@@ -77,23 +84,31 @@ std::vector<std::string> nameFaces(const InputScene& input) {
   return names;
 }
 
+bool isReservedName(const std::string& name) {
+  constexpr std::array kReserved{"environment", "environment:up", "environment:down", "leak"};
+  return std::ranges::find(kReserved, name) != kReserved.end();
+}
+
 void requireDistinctNames(const InputScene& input) {
   const std::vector<uint32_t> counts = countFaces(input);
   std::unordered_map<std::string_view, uint32_t> surfaces;
-  for (uint32_t k = 0; k < counts.size(); ++k) surfaces.emplace(input.surface_names[k], k);
+  for (uint32_t k = 0; k < counts.size(); ++k) {
+    surfaces.emplace(input.surface_names[k], k);
+    if (counts[k] && isReservedName(input.surface_names[k]))
+      throw Error(ErrorCode::bad_input,
+                  fmt::format("{}: a surface is called '{}', which stands for something else in results and "
+                              "materials; rename it",
+                              placeOf(input, k), input.surface_names[k]));
+  }
   for (uint32_t k = 0; k < counts.size(); ++k) {
     const std::optional<NumberedName> numbered = splitName(input.surface_names[k]);
     if (!numbered || counts[k] == 0) continue;
     const auto at = surfaces.find(numbered->surface);
     if (at == surfaces.end() || counts[at->second] < numbered->number) continue;
-    const auto face =
-        std::find_if(input.faces.begin(), input.faces.end(), [k](const InputFace& f) { return f.surface == k; });
     throw Error(
         ErrorCode::bad_input,
-        fmt::format(
-            "{}{}: a surface is called '{}', as face {} of surface '{}' is in the results; rename one of the two",
-            input.file, face->line ? fmt::format(":{}", face->line) : "", input.surface_names[k], numbered->number,
-            numbered->surface));
+        fmt::format("{}: a surface is called '{}', as face {} of surface '{}' is in the results; rename one of the two",
+                    placeOf(input, k), input.surface_names[k], numbered->number, numbered->surface));
   }
 }
 

@@ -21,7 +21,12 @@ std::string surfaceOfName(const std::string& name);
 // Returns the names of all faces of a file, as faceName() makes them.    Cost: O(faces).
 std::vector<std::string> nameFaces(const InputScene& input);
 
-// Refuses files in which a surface has the name of a face: a surface "desk[3]" beside a surface "desk" of three faces.
+// Returns whether results and materials use a name themselves: `environment`, `environment:up`, `environment:down` and
+// `leak`.
+bool isReservedName(const std::string& name);
+
+// Refuses files in which a surface has a reserved name, or the name of a face: a surface "desk[3]" beside a surface
+// "desk" of three faces.
 //   Throws: Error bad_input.
 //   Cost: O(faces + surfaces log surfaces).
 void requireDistinctNames(const InputScene& input);

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "scene/cut_away.h"
+#include "scene/face_names.h"
 #include "scene/readers.h"
 #include "scene/words.h"
 
@@ -83,7 +84,7 @@ class SceneMaker {
     for (uint32_t k = 0; k < file_.surfaces.size(); ++k) {
       const Vs3Surface& surface = file_.surfaces[k];
       const char* kind = surface.kind == 'O' ? "obstruction" : surface.kind == 'N' ? "null" : "surface";
-      const bool is_taken = surface.name == "environment" || surface.name == "leak";
+      const bool is_taken = isReservedName(surface.name);
       std::string name = surface.name.empty() ? kind : surface.name;
       if (surface.name.empty() || uses[surface.name] > 1 || is_taken) name += fmt::format("#{}", k + 1);
       names_.push_back(std::move(name));

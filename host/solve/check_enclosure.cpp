@@ -68,6 +68,11 @@ void requireReferences(const ClosedExchange& closed, const Enclosure& enclosure,
     if (!refers[find(i)]) refuseWithoutReference(ids.names[i]);
 }
 
+bool areAllFluxesGiven(const Enclosure& enclosure) {
+  return std::ranges::all_of(enclosure.materials,
+                             [](const Material& material) { return material.heat_flux.has_value(); });
+}
+
 void requireTolerance(const HeatTolerance& tolerance, const Enclosure& enclosure) {
   if (!(tolerance.standard_error > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
   if (tolerance.of == HeatTolerance::Of::temperature &&
@@ -75,6 +80,9 @@ void requireTolerance(const HeatTolerance& tolerance, const Enclosure& enclosure
                           [](const Material& material) { return material.temperature.has_value(); }))
     throw Error(ErrorCode::bad_usage,
                 "all temperatures are given, so that none has an error; ask for a tolerance in W/m2 or as a share");
+  if (tolerance.of != HeatTolerance::Of::temperature && areAllFluxesGiven(enclosure))
+    throw Error(ErrorCode::bad_usage,
+                "all heat fluxes are given, so that none has an error; ask for a tolerance in K, as in 0.1K");
 }
 
 }  // namespace viewpeel

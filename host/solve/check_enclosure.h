@@ -15,7 +15,11 @@ void requireMaterials(const ClosedExchange& closed, const Enclosure& enclosure, 
 void requireReferences(const ClosedExchange& closed, const Enclosure& enclosure, const Ids& ids);
 [[noreturn]] void refuseWithoutReference(const std::string& name);
 
-// Refuses a tolerance that is not above 0, and one of temperatures where all are given.    Throws: Error bad_usage.
+// Returns whether all rows have heat fluxes, so that temperatures alone have errors.    Cost: O(rows).
+bool areAllFluxesGiven(const Enclosure& enclosure);
+
+// Refuses a tolerance that is not above 0, and one of temperatures, or of heat, where all of them are given.
+//   Throws: Error bad_usage.
 void requireTolerance(const HeatTolerance& tolerance, const Enclosure& enclosure);
 
 }  // namespace viewpeel

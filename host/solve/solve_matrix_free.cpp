@@ -28,6 +28,8 @@ constexpr uint32_t kMostSteps = 10'000, kMostDirections = 1 << 16, kScarceRounds
 // Errors of answers are taken to fall as N^-0.6 with N directions. The next N aims at this share of the tolerance.
 constexpr double kExponent = 0.6, kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 16;
 
+constexpr HeatTolerance kOfHeat{0.01, HeatTolerance::Of::relative}, kOfTemperatures{1, HeatTolerance::Of::temperature};
+
 struct Stopped {
   bool is_interrupted;
 };
@@ -162,7 +164,8 @@ class MatrixFreeSolver {
                   fmt::format("{}: bands of wavelengths take form factors in memory; say --matrix-free off, or give "
                               "one emissivity",
                               materials.file));
-    requireTolerance(request.tolerance, enclosure_);
+    found_.tolerance = request.tolerance.value_or(areAllFluxesGiven(enclosure_) ? kOfTemperatures : kOfHeat);
+    requireTolerance(found_.tolerance, enclosure_);
     split_ = splitRows(scene, ids_, enclosure_);
     exchange_ = std::make_unique<PeeledExchange>(
         scene, split_.ids, split_.shares, request, materials.up,
@@ -257,12 +260,12 @@ class MatrixFreeSolver {
     // Conjugate gradients for all replicates at once keep six vectors for each.
     found_.memory_bytes = exchange_->memoryBytes() + 6 * kProductReplicateCount * sizeof(double) * split_.ids.count();
     found_.seconds = secondsSince(start_);
-    reached_ = largestHeatError(found_.heat, request_.tolerance.of);
-    found_.is_reached = reached_ <= request_.tolerance.standard_error;
+    reached_ = largestHeatError(found_.heat, found_.tolerance.of);
+    found_.is_reached = reached_ <= found_.tolerance.standard_error;
   }
 
   uint64_t nextDirections(uint64_t directions) const {
-    const double excess = reached_ / (kMargin * request_.tolerance.standard_error);
+    const double excess = reached_ / (kMargin * found_.tolerance.standard_error);
     const double growth = std::clamp(std::pow(excess, 1 / kExponent), kLeastGrowth, kMostGrowth);
     return std::min<uint64_t>(static_cast<uint64_t>(std::ceil(double(directions) * growth)), kMostDirections);
   }

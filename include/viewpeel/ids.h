@@ -77,7 +77,7 @@ void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids);
 // Makes the rows of a scene's matrix.
 //   In: by: whether a row is a face or a surface; two_sided: whether polygons emit and receive on both sides
 //   Out: ids that have both roles, with areas in input units squared
-//   Throws: Error bad_input where a surface is called `environment` or `leak`, which the result uses itself.
+//   Throws: nothing.
 //   Cost: O(polygons).
 Ids makeIds(const Scene& scene, By by, bool two_sided);
 

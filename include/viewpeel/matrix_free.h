@@ -13,12 +13,12 @@ namespace viewpeel {
 struct MatrixFreeRequest {
   By by = By::polygon;
   bool two_sided = false;
-  HeatTolerance tolerance{0.01, HeatTolerance::Of::relative};
-  uint32_t first_directions = 32;  // of each of the 8 replicates in the first round, above 0
-  int resolution = 0;              // lattice spacings across the unit ball's diameter; 0: one to a polygon's side
-  double residual = 1e-7;          // conjugate gradients end there, as a share of the right side; above 0
-  uint64_t seed = 1;               // the same seed gives the same bits
-  uint32_t threads = 0;            // 0: one for each core
+  std::optional<HeatTolerance> tolerance;  // without: 1 % of all heat, or 1 K where all heat fluxes are given
+  uint32_t first_directions = 32;          // of each of the 8 replicates in the first round, above 0
+  int resolution = 0;      // lattice spacings across the unit ball's diameter; 0: one to a polygon's side
+  double residual = 1e-7;  // conjugate gradients end there, as a share of the right side; above 0
+  uint64_t seed = 1;       // the same seed gives the same bits
+  uint32_t threads = 0;    // 0: one for each core
   std::optional<double> time_limit_s;
 };
 
@@ -37,6 +37,7 @@ struct MatrixFreeObserver {
 // A MatrixFreeHeat has the answers of the last round of directions.
 struct MatrixFreeHeat {
   HeatSolution heat;
+  HeatTolerance tolerance;  // the request's, or the default
   uint32_t replicates = 0, rounds = 0;
   uint64_t directions = 0;    // of all replicates of the last round together
   uint64_t sweeps = 0;        // of the scene along a direction, in all rounds

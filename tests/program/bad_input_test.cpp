@@ -60,6 +60,10 @@ TEST_F(BadInput, ScenesAreRefusedInOneLine) {
       {"crossing.obj", kTriangle + "v 1 1 0\nv 2 3 0\nf 1 4 2 3 5\n", ":6", "crosses itself"},
       {"obj_as.stl", kTriangle + "f 1 2 3\n", "", "header"},
       {"obj_as.ply", kTriangle + "f 1 2 3\n", ":1", "not a PLY file"},
+      {"environment.obj", kTriangle + "o environment\nf 1 2 3\n", ":5", "'environment', which stands for something"},
+      {"leak.obj", kTriangle + "o leak\nf 1 2 3\n", ":5", "'leak', which stands for something else"},
+      {"up.obj", kTriangle + "o environment:up\nf 1 2 3\n", ":5", "'environment:up', which stands for something"},
+      {"down.obj", kTriangle + "g environment:down\nf 1 2 3\n", ":5", "'environment:down', which stands for"},
       {"no_extension", kTriangle + "f 1 2 3\n", "", "unknown format"},
   };
   for (const auto& c : cases)

@@ -249,6 +249,9 @@ TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   expectRefusal(run("solve " + kCube + materials + " -o " + file("a.txt")), "use a name that ends in .csv");
   expectRefusal(run("solve " + kCube + materials + " --tolerance 5C"), "'5C' is not a number above 0 with a unit");
   expectRefusal(run("solve " + kCube + materials + " --tolerance 1K --quiet"), "all temperatures are given");
+  expectRefusal(run("solve " + kPlates + " --tolerance 1% --quiet --materials " +
+                    write("f.csv", kHeader + "default,0.5,,30\nenvironment,,300,\n")),
+                "all heat fluxes are given, so that none has an error; ask for a tolerance in K");
   expectRefusal(run("solve " + kCube + materials + " --tolerance 1K --form-factors 0.1"), "excludes");
   expectRefusal(run("solve --from-result " + file("none.vpk") + materials), "none.vpk");
   expectRefusal(run("solve --from-result " + kCube + materials + " --seed 3"), "excludes");

@@ -203,7 +203,7 @@ TEST(MatrixFree, StandardErrorsHold) {
 TEST(MatrixFree, DirectionsAreAddedUntilTheTolerance) {
   const Scene scene = buildScene(city(300));
   const MatrixFreeHeat found =
-      solveMatrixFree(scene, kCity, {.tolerance = {1.5, Of::temperature}, .first_directions = 8});
+      solveMatrixFree(scene, kCity, {.tolerance = HeatTolerance{1.5, Of::temperature}, .first_directions = 8});
   EXPECT_TRUE(found.is_reached);
   EXPECT_GT(found.rounds, 1u);
   EXPECT_LE(largestHeatError(found.heat, Of::temperature), 1.5);
@@ -214,12 +214,27 @@ TEST(MatrixFree, DirectionsAreAddedUntilTheTolerance) {
     if (std::isfinite(largest_error)) has_answers = true;
   };
   observer.should_stop = [&] { return has_answers.load(); };
-  const MatrixFreeHeat stopped =
-      solveMatrixFree(scene, kCity, {.tolerance = {1e-3, Of::temperature}, .first_directions = 8}, observer);
+  const MatrixFreeHeat stopped = solveMatrixFree(
+      scene, kCity, {.tolerance = HeatTolerance{1e-3, Of::temperature}, .first_directions = 8}, observer);
   EXPECT_TRUE(stopped.is_interrupted);
   EXPECT_FALSE(stopped.is_reached);
   EXPECT_EQ(stopped.heat.rows.size(), found.heat.rows.size());
   EXPECT_THROW(solveMatrixFree(scene, kCity, {.time_limit_s = 1e-9}), Error);
+}
+
+// Where all heat fluxes are given heat has no errors, so the default goal is of temperatures: 1 K. A first round of
+// 8 directions leaves a larger error, and further rounds follow.
+TEST(MatrixFree, TheDefaultGoalIsOfWhatIsUnknown) {
+  const Scene scene = buildScene(city(300));
+  const MatrixFreeHeat fluxes =
+      solveMatrixFree(scene, tableOf({{"default", te::flux(0.5, 200), 2}}, 280), {.first_directions = 8});
+  EXPECT_EQ(fluxes.tolerance.of, Of::temperature);
+  EXPECT_GT(fluxes.rounds, 1u);
+  EXPECT_LE(largestHeatError(fluxes.heat, Of::temperature), 1);
+  EXPECT_EQ(largestHeatError(fluxes.heat, Of::relative), 0);
+  const MatrixFreeHeat mixed = solveMatrixFree(scene, kCity, {.first_directions = 64});
+  EXPECT_EQ(mixed.tolerance.of, Of::relative);
+  EXPECT_LE(largestHeatError(mixed.heat, Of::relative), 0.01);
 }
 
 TEST(MatrixFree, RefusesWhatHasNoAnswer) {
@@ -239,8 +254,12 @@ TEST(MatrixFree, RefusesWhatHasNoAnswer) {
   refuses(boxes, bands, {}, "--matrix-free off");
   refuses(boxes, tableOf({{"inner", te::hot(0.5, 300), 2}}), {}, "has no material");
   refuses(squares, tableOf({{"default", te::hot(0.5, 300), 2}}), {}, "'environment'");
-  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = {1, Of::temperature}}, "are given");
-  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = {0, Of::relative}}, "not above 0");
+  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = HeatTolerance{1, Of::temperature}},
+          "all temperatures are given");
+  refuses(boxes, tableOf({{"default", te::hot(0.5, 300), 2}}), {.tolerance = HeatTolerance{0, Of::relative}},
+          "not above 0");
+  refuses(squares, tableOf({{"default", te::flux(0.5, 30), 2}}, 280), {.tolerance = HeatTolerance{0.01, Of::relative}},
+          "all heat fluxes are given");
   InputScene inside_out = boxes;
   for (InputFace& face : inside_out.faces)
     if (inside_out.surface_names[face.surface] == "inner") std::ranges::reverse(face.corners);

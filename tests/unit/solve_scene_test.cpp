@@ -89,6 +89,13 @@ TEST(SolveScene, RefusesBeforeItComputes) {
   refuses(tableOf({{"default", te::flux(0.5, 0), 1}}), {}, "no temperature is given");
   refuses(tableOf({{"default", te::hot(0.5, 300), 1}}), HeatTolerance{1, Of::temperature},
           "all temperatures are given");
+  MaterialTable fluxes = tableOf({{"default", te::flux(0.5, 30), 1}});
+  fluxes.environment_temperature = 300;
+  for (const auto of : {Of::relative, Of::heat_flux})
+    refuses(fluxes, HeatTolerance{0.01, of}, "all heat fluxes are given");
+  EXPECT_TRUE(
+      solveScene(buildScene(ts::parallelSquares()), fluxes, onHost(By::surface), HeatTolerance{1, Of::temperature})
+          .is_reached);
   refuses(tableOf(kLines), HeatTolerance{0, Of::relative}, "not above 0");
 }
 
