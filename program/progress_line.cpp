@@ -30,7 +30,7 @@ std::optional<double> toleranceOf(const Request& request) {
   return tolerance ? std::optional(tolerance->standard_error) : std::nullopt;
 }
 
-// Returns the expected number of replicates: that of the request, or more where present errors predict more.
+// Returns the expected number of replicates: as many as are requested, or more where present errors predict more.
 double expectedReplicates(const Request& request, const Progress& progress) {
   const auto* fixed = std::get_if<FixedAmount>(&request.goal);
   const double least = fixed ? fixed->replicates : request.amount.replicates;

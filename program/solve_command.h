@@ -1,4 +1,5 @@
-// The options of `viewpeel solve`, and its ways to an answer.
+// A SolveCommand has the options of `viewpeel solve`. Here are the functions that solve.cpp and solve_matrix_free.cpp
+// share; the first keeps form factors in memory, the second does not.
 #pragma once
 #include <optional>
 #include <string>
@@ -40,7 +41,7 @@ std::string describeTolerance(const HeatTolerance& tolerance, double reached);
 // Warns where the environment of the materials has no effect.
 void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution);
 
-// Refuses --matrix-free on, or directional emissivities, beside an option or a material that takes form factors.
+// Refuses --matrix-free on, or directional emissivities, beside an option or a material that needs form factors.
 //   Throws: Error bad_usage.
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table);
 // Returns whether the answers are to be found without a matrix. checkMatrixFree() has to come first.

@@ -1,4 +1,4 @@
-// `viewpeel solve` of scenes whose form factors would not fit in memory.
+// This file runs `viewpeel solve` without form factors in memory, for scenes where they would not fit.
 #include <cmath>
 
 #include <fmt/format.h>
@@ -17,7 +17,7 @@
 namespace viewpeel::program {
 namespace {
 
-// Returns the option or material that takes form factors in memory; empty where there is none.
+// Returns the option or material that needs form factors in memory; empty where there is none.
 std::string findNeedOfMatrix(const SolveCommand& command, const MaterialTable& table) {
   if (command.form_factor_tolerance) return "--form-factors";
   if (command.epsilon) return "--epsilon";

@@ -53,14 +53,15 @@ def wedge(from_width, to_width, length, angle):
     and the inner one of each is elementary."""
 
     def along(p, q):
-        # Both edges along the common one, distance d apart: the integral of ln r over length x length.
+        # Returns the integral of ln r over two edges along the common edge, which are a distance d apart.
         d = sqrt(max(0.0, p * p + q * q - 2 * p * q * cos(angle)))
         if d == 0:
             return length * length * (log(length) - 1.5)
         return (length**2 - d * d) / 2 * log(length**2 + d * d) - 1.5 * length**2 + 2 * d * length * atan(length / d) + d * d * log(d)
 
     def across(offset):
-        # Edges that leave the common one at the same place (offset 0) or at its other end: int int ln r dp dq.
+        # Returns the integral of ln r over two edges that leave the common edge, from one corner (offset 0) or from its
+        # two corners.
         def inner(p):
             foot, height = p * cos(angle), hypot(p * sin(angle), offset)
 

@@ -76,7 +76,8 @@ py::tuple columnTo(const HeldResult& held, uint32_t to) {
                   }));
 }
 
-// Returns (lower, upper) of all rows; None where the result has no intervals.
+// Returns the intervals of the form factors from all rows to id `to`, as two arrays (lower, upper). Returns None where
+// the result has no intervals.
 py::object boundsTo(const HeldResult& held, uint32_t to) {
   const FormFactors& form_factors = held.stored.form_factors;
   if (!form_factors.hasIntervals()) return py::none();

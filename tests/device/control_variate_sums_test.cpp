@@ -90,8 +90,9 @@ TEST(ControlVariateSums, RowsHaveAllTheirLines) {
   EXPECT_EQ(filled[2].blocked, 9u);
 }
 
-// On a coarse lattice, and with scanlines, one line adds several counts. Errors are then no less than for that number
-// of lines.
+// One line of the coarser of two lattices, or one scanline, adds several counts: 16 of pair (0, 2) here, and 1 of pair
+// (0, 1). A pair's standard error is no less than the exchange area of one line: its counts times 0.5, the area a
+// count.
 TEST(ControlVariateSums, LinesOfSeveralCounts) {
   const auto controls = takeControlVariates({{0, 1, 64}, {0, 2, 64}, {1, kEnvironment, 16}}, {}, {16, 1, 64});
   EXPECT_EQ(controls[0].line, 1u);  // the finer of the two lattices

@@ -71,7 +71,9 @@ TEST(Guarantee, RangesAddUpOverLattices) {
   EXPECT_DOUBLE_EQ(one[0], range(8));
   EXPECT_DOUBLE_EQ(one[1], range(32));
   EXPECT_DOUBLE_EQ(two[0], range(8) + range(32));
-  EXPECT_DOUBLE_EQ(two[1], (range(8) + range(32)) / 2 + range(32) / 2);  // of the plates with each other
+  // The surface of both plates has twice the area, which halves the ranges. The last term is of the pair of the two
+  // plates, which is counted on the finer lattice.
+  EXPECT_DOUBLE_EQ(two[1], (range(8) + range(32)) / 2 + range(32) / 2);
   EXPECT_DOUBLE_EQ(each[0], range(8));
 }
 
@@ -223,7 +225,8 @@ VisibilityOutcome visibilityFailures(double lines, double prior_sums, double b, 
   return outcome;
 }
 
-// A guarantee holds for any visibility from the pilot, right or far off, and by either bound.
+// A guarantee holds for any visibility b from the pilot, right or far off, and by either bound. Each run may fail with
+// probability 0.2. So of kSeeds runs at most the mean plus four standard deviations of the binomial law may fail.
 TEST(Guarantee, WithUnoccludedFormFactorsItFailsNoMoreOftenThanItMay) {
   constexpr int kSeeds = 30;
   const double allowed = 0.2 * kSeeds + 4 * std::sqrt(0.2 * 0.8 * kSeeds);

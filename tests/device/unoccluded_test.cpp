@@ -196,7 +196,7 @@ TEST_P(Unoccluded, FarPairsToRelativeError) {
     const CornerPair pair{moved(a, 1, place), moved(b, 1, place + towards * distance)};
     if (areWhole(pair)) pairs.push_back(pair);
   }
-  // Where edges point at each other the bound is close.
+  // Parallel squares far to the side of each other, with edges in line, come closest to the error allowed.
   const Corners square = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
   for (int k = 0; k < 200; ++k) pairs.push_back({square, flipped(moved(square, 1, {4 * std::pow(1.02, k), 0, 0.3}))});
   const Scene scene = sceneOf(pairs);

@@ -118,8 +118,9 @@ TEST_F(BadInput, OpenAndInsideOutScenesShowInTheSummary) {
     EXPECT_EQ(r.status, 0) << r.output;
     return r.output;
   };
-  const std::string flipped =
-      shown("flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));  // a sixth leaves the scene, a sixth meets its back
+  // One of the cube's six faces looks outwards. Its own radiation, a sixth of all, leaves the scene. Radiation that
+  // arrives at it, another sixth, ends on its back.
+  const std::string flipped = shown("flipped.obj", replaced("f 1 2 3 4", "f 4 3 2 1"));
   EXPECT_NE(flipped.find("surfaces, open"), std::string::npos) << flipped;
   EXPECT_NE(flipped.find("16.7 % of all emitted radiation leaves the scene, 16.7 % ends on backs"), std::string::npos)
       << flipped;

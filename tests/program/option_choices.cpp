@@ -186,11 +186,11 @@ std::string makeScene(const std::string& name) {
     addQuad(obj, corners, "floor", {{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}}});
     addQuad(obj, corners, "ceiling", {{{0, 0, 1}, {0, 1, 1}, {1, 1, 1}, {1, 0, 1}}});
   }
-  if (name == "box") {  // stands on the floor
+  if (name == "box") {  // the box stands on the floor
     addRoom();
     addBox(obj, corners, {"box", "box", "box", "box", "box", "box"}, {{0.3, 0.2, 0}, {0.7, 0.5, 0.4}});
   }
-  if (name == "wall") {  // of two coincident faces, between two rooms
+  if (name == "wall") {  // the wall has two coincident faces, and divides the room in two
     addRoom();
     addQuad(obj, corners, "partition_west", {{{0.4, 0, 0}, {0.4, 0, 1}, {0.4, 1, 1}, {0.4, 1, 0}}});
     addQuad(obj, corners, "partition_east", {{{0.4, 0, 0}, {0.4, 1, 0}, {0.4, 1, 1}, {0.4, 0, 1}}});

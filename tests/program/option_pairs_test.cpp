@@ -268,8 +268,8 @@ TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
 TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
 TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
 
-// Tries random combinations of options, for whoever changes options. It takes five minutes. Run it with
-// --gtest_also_run_disabled_tests.
+// Tries 600 random combinations of options. Run it with --gtest_also_run_disabled_tests after a change of options; it
+// takes five minutes.
 TEST_F(OptionPairs, DISABLED_AtRandom) {
   std::mt19937 random(1);
   for (int count = 0; count < 600;) {

@@ -47,7 +47,7 @@ TEST(DropBelow, ABoundBelowAllKeepsAll) {
   EXPECT_EQ(result.kept.entries().size(), example(false).entries().size());
 }
 
-// A guarantee still holds for a pair that was left out.
+// The interval of a pair that was left out still holds the form factor that the pair has in the whole matrix.
 TEST(DropBelow, IntervalsOfWhatWasLeftOutHoldIt) {
   const FormFactors whole = example(true);
   const DroppedBelow result = dropBelow(whole, 0.003);

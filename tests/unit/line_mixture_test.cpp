@@ -116,7 +116,7 @@ class MixedRoom : public testing::Test {
     return {run.sums(), run.isReached()};
   }
 
-  // Returns the largest error of the entries between polygons, from the smaller of a pair.
+  // Returns the largest error of form factors between polygons, each from the smaller polygon of its pair.
   static double largestError(const FormFactors& found) {
     double largest = 0;
     const auto compare = [&](const FormFactors& of, const FormFactors& other) {

@@ -130,7 +130,9 @@ TEST(MatrixFree, ConcentricBoxes) {
     }
 }
 
-// At one temperature all heat fluxes are 0, whatever the emissivities and the errors of exchange.
+// At one temperature all heat fluxes are 0, whatever the emissivities and the errors of exchange. Powers are less the
+// power at a reference temperature (HeatState::shift), here the only one. So the right side is 0, and 1e-9 allows for
+// rounding.
 TEST(MatrixFree, OneTemperatureMeansNoHeat) {
   const Scene scene = buildScene(city(300));
   const MaterialTable table =

@@ -1,5 +1,5 @@
-// Compares heat between surfaces whose emissivity depends on the angle with an integral over pairs of points and an
-// iteration over reflections, which know nothing of split rows.
+// These tests check heat between surfaces whose emissivity depends on the angle (docs/method.md, section 15). The truth
+// for two plates is an integral over pairs of points with repeated reflection, which knows nothing of split rows.
 #include <viewpeel/matrix_free.h>
 
 #include <algorithm>
@@ -24,7 +24,8 @@ namespace ts = test_scenes;
 using Of = HeatTolerance::Of;
 using reference::test::isWithin;
 
-// Forward: more along the normal. Grazing: more towards the horizon, as polished metals.
+// kForward emits most along the normal. kGrazing emits most towards the horizon, as polished metals do. kConstant emits
+// alike at all angles.
 const DirectionalLaw kForward{.cosine_power = 3},
     kGrazing{.cosine_power = 0, .angles_deg = {0, 40, 80, 90}, .values = {1, 1, 3, 0}},
     kConstant{.cosine_power = 0, .angles_deg = {0, 90}, .values = {2, 2}};
@@ -67,7 +68,8 @@ InputScene sceneOf(const Geometry& geometry) {
   return scene;
 }
 
-// A Model says how a plate emits, and whether it reflects what it does not absorb in proportion to 1 - e(angle).
+// A Model has each plate's directional emissivity, by the cosine of the angle to its normal. A plate reflects in
+// proportion to 1 - e(angle) (method, eq. 58), unless it reflects_diffusely. The two flags make wrong models.
 struct Model {
   std::function<double(double cosine)> emissivity[2];
   bool exchanges_cosines = false;  // each plate's emissivity is taken at the other plate's angle
@@ -83,13 +85,14 @@ Model modelOf(const Geometry& geometry, const std::vector<RelativeEmissivity>& l
   return model;
 }
 
-// Returns the heat fluxes of both plates, W/m2. An integral over pairs of points gives the power from plate j that
-// plate i absorbs and reflects, with the intensity L_j = N_j + e_j(angle) (E_j - N_j) in the environment of intensity
-// E_e. The N follow from repeated reflection.
+// Returns the heat fluxes of both plates, W/m2, which are squares of area 1. Plate j sends out the intensity (N_j +
+// e_j(angle) (E_j - N_j)) / pi (method, eq. 59), with its black emission E_j and an unknown N_j. An integral over pairs
+// of points gives the power that arrives at plate i, and the part of it that i absorbs. The N_j follow from repeated
+// reflection. The environment is black.
 std::array<double, 2> heatFluxes(const Geometry& geometry, const Model& model, int points) {
   const auto rule = gaussPoints(points);
-  // weighted[f][g]: sum over pairs of points of f of the first plate's angle and g of the second one's; 0: the weight
-  // 1, 1: emissivity.
+  // weighted[f][g] is the exchange area between the plates, each pair of points weighted by the first plate's
+  // emissivity where f is 1, and by the second plate's emissivity where g is 1.
   double weighted[2][2] = {};
   const auto& [a, b] = geometry.plates;
   std::vector<std::pair<double, double>> places;
@@ -130,8 +133,8 @@ std::array<double, 2> heatFluxes(const Geometry& geometry, const Model& model, i
           geometry.plates[1].emissivity * geometry.plates[1].power() - absorbed[1]};
 }
 
-// A gap between the two keeps the integrand smooth but for the kinks of the table: 16 and 24 points agree to 1e-6 of
-// the emission, which is asserted.
+// A gap between the two plates keeps the integrand smooth but for the kinks of the table. The test asserts that 16 and
+// 24 points agree to 1e-6 of the emission.
 const Geometry kParallel{
     {{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.35, 0, 500}, {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 0.15, 1, 300}}, 250},
     kUpright{{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.35, 0, 500}, {{-0.3, 0, 0.2}, {0, 1, 0}, {0, 0, 1}, 0.4, 1, 350}},
@@ -168,8 +171,8 @@ TEST(Directional, TwoPlatesAgreeWithQuadrature) {
       of_exchange = std::max(of_exchange, std::abs(exchanged[k] - truth[k]) / bound);
       of_reflection = std::max(of_reflection, std::abs(diffuse[k] - truth[k]) / bound);
     }
-    // Emissivities at the other plate's angle would be found out where the angles differ, and so would reflection that
-    // forgets the angle.
+    // Negative controls: wrong models are off by more than twice the bound. One model takes emissivities at the other
+    // plate's angle, which differs between upright plates only. The other model's reflection forgets the angle.
     if (geometry == &kUpright) {
       EXPECT_GT(of_exchange, 2);
     }
@@ -177,8 +180,9 @@ TEST(Directional, TwoPlatesAgreeWithQuadrature) {
   }
 }
 
-// In an enclosure of one temperature every heat flux is 0, and adiabatic rows have that temperature, whatever the laws.
-// The equations are solved to 1e-12 of the emission.
+// In an enclosure of one temperature every heat flux is 0, and adiabatic rows have this temperature, whatever the laws.
+// Powers are less the power at a reference temperature (HeatState::shift), here the only one. So the right side is 0,
+// and 1e-9 allows for rounding. A temperature T is then off by T / 4 x 1e-9, below 1e-7 K.
 TEST(Directional, OneTemperatureMeansNoHeat) {
   const Scene scene = buildScene(ts::cubeInCube(0.4));
   const std::vector<std::vector<MaterialTable::Line>> cases{
@@ -200,8 +204,9 @@ TEST(Directional, OneTemperatureMeansNoHeat) {
     }
 }
 
-// Within black surroundings a body emits e A s T^4, whatever its law, and absorbs as much of theirs: Kirchhoff's law.
-// Both temperatures exchanged, heat flows the other way, to the last digits.
+// Within black surroundings a convex body of area A emits e A s T^4, with s the Stefan-Boltzmann constant, whatever its
+// law. By Kirchhoff's law it absorbs the share e of the surroundings' radiation. If both temperatures are exchanged,
+// the same heat flows the other way; the same directions are counted, so that only rounding differs.
 TEST(Directional, KirchhoffsLaw) {
   const Scene scene = buildScene(ts::cubeInCube(0.4));
   const double area = 6 * 0.4 * 0.4;
@@ -219,7 +224,8 @@ TEST(Directional, KirchhoffsLaw) {
   }
 }
 
-// A heat flux gives the temperature that has this heat flux.
+// A row that is given the heat flux of a solution gets the temperature of this solution. The equations are solved to
+// 1e-12 of the emission. The temperature may be off by 1e-6 K, which is 8e-9 of the emission: a coarse check.
 TEST(Directional, HeatFluxesGiveTemperatures) {
   const Scene scene = buildScene(sceneOf(kUpright));
   const auto solve = [&](const Material& first) {
@@ -233,7 +239,7 @@ TEST(Directional, HeatFluxesGiveTemperatures) {
   EXPECT_NEAR(rowOf(back, "first").heat_flux.value, flux, 1e-12 * flux);
 }
 
-// A law without angles is a diffuse surface: the same bits.
+// A law that is the same at all angles gives the bits of a diffuse surface. Negative control: another law does not.
 TEST(Directional, AConstantLawIsDiffuse) {
   const Scene scene = buildScene(ts::cubeInCube(0.4));
   const auto solve = [&](const Material& inner) {

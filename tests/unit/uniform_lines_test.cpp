@@ -84,7 +84,7 @@ TEST(UniformLines, VisibilitiesAgreeWithQuadrature) {
     const Pair pair({kFloor, kCeiling, rectangle({-2, -5, 0.3}, {edge + 2, 0, 0}, {0, 11, 0})});
     const UniformLineCount count = pair.lines(pair.between(0, 1)).draw(11, 10'000'000, widestVectors());
     const double seen = double(count.facing) / double(count.lines), truth = visibilityByQuadrature(edge, 0.3);
-    // The quadrature with 60 steps has an error of some 1 / 60^2 times the curvature, below 1e-4.
+    // The quadrature with 60 steps differs from one with 960 steps by 1.5e-5 at most for these three edges.
     const double allowed = kStandardErrors * std::sqrt(truth * (1 - truth) / double(count.lines)) + 1e-4;
     EXPECT_NEAR(seen, truth, allowed) << edge;
     EXPECT_EQ(count.open, 0u);

@@ -1,5 +1,5 @@
-// Unoccluded exchange areas are within the error that HostUnoccluded states. For rectangles this error is that of
-// double arithmetic.
+// Unoccluded exchange areas are within the error that HostUnoccluded states. For rectangles this error is rounding in
+// double arithmetic alone.
 #include "unoccluded/host_unoccluded.h"
 
 #include <random>

@@ -227,8 +227,8 @@ TEST(VisibilitySums, ManyPairsAreEachWhatTheyAreAlone) {
 }
 
 // The number of lines follows Poisson's law, and each is facing with probability b. The estimate has no bias however
-// few lines there are. Where a line met the pair, 95 % intervals hold the truth as often as intervals of plain counts
-// do: in 88 % of cases at least (docs/accuracy.md).
+// few lines there are: the sum of its errors is within 4 standard deviations. Where a line met the pair, 95 % intervals
+// are to hold the truth in 88 % of cases at least. This limit for few lines is a choice and not derived.
 TEST(VisibilitySums, LinesByChanceHaveNoBias) {
   constexpr int kTrials = 4000, kReplicates = 8;
   const double t = quantile(complement(boost::math::students_t(kReplicates - 1), 0.025));
