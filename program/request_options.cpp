@@ -35,7 +35,7 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->add_option_function<std::string>(
           "--promise", [options](const std::string& word) { options->request.promise = word == "on"; },
           "Promise the --tolerance: every form factor within it with probability 0.99, and in an interval. By default "
-          "a promise is made where it costs at most twice an estimate")
+          "a promise is made where the run costs at most twice an estimate, or half a second of CPU time")
       ->type_name("on|off")
       ->check(CLI::IsMember({"on", "off"}).description(""));
   addGoal("--relative", options->relative,

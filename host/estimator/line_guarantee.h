@@ -33,6 +33,7 @@ struct LineGuaranteeOptions {
   // Pairs with a smaller unoccluded form factor than this are not among `pairs`. Common directions count them, and cut
   // their form factors to [0, epsilon]. It is at most epsilon, and 0 by surface.
   double least_form_factor = 0;
+  double directions = 0;  // common to all pairs, in all replicates: a part of the predicted cost
 };
 
 class LineGuarantee {
@@ -88,7 +89,8 @@ class LineGuarantee {
   };
   struct Part {
     uint32_t index;
-    double exchange;     // input units squared
+    double exchange;  // input units squared
+    uint32_t blockers;
     float guess = 0.5f;  // visibility of open lines, guessed
     UniformLineCount count{};
     uint64_t strata_lines = 0;

@@ -29,6 +29,7 @@ constexpr double kFirstLook = 1.2;           // times the lines that end an entr
 constexpr double kRowShare = 0.5;            // part of delta for rows, if rows have bounds
 constexpr uint64_t kPilotSeries = 1000;      // series of pilots; looks have smaller numbers
 constexpr size_t kPilots = 512;              // entries with a pilot
+constexpr double kMostPilotLines = 256;      // of an entry
 constexpr size_t kTimedEntries = 64;
 constexpr uint64_t kTimedLines = 2048;
 
@@ -54,8 +55,9 @@ LineGuarantee::LineGuarantee(const Scene& scene, const Ids& face_ids, const Ids&
   open_.resize(entries_.size());
   std::iota(open_.begin(), open_.end(), 0u);
   // Entries with most lines come first, so that no thread ends with one of these alone.
-  std::ranges::stable_sort(open_, std::ranges::greater{},
-                           [&](uint32_t k) { return linesOf(entries_[k], entries_[k].looks - 1); });
+  std::vector<double> most;
+  for (const Entry& entry : entries_) most.push_back(linesOf(entry, entry.looks - 1));
+  std::ranges::stable_sort(open_, std::ranges::greater{}, [&](uint32_t k) { return most[k]; });
   const double e = options_.epsilon, d = options_.delta, bounds = double(std::max<size_t>(entries_.size(), 1));
   figures_.epsilon = e, figures_.delta = d, figures_.least_form_factor = options.least_form_factor;
   figures_.lemma_1 = 1 / (e * e * d), figures_.lemma_1_all = bounds / (e * e * d);
@@ -79,7 +81,8 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
     Entry& entry = entries_.back();
     entry.exchange += ways * pairs[k].exchange, entry.clear += ways * pairs[k].clear;
     entry.error += ways * pairs[k].error;
-    for (const PairLines::Part& part : lines_.blockableParts(k)) parts_.push_back({part.index, ways * part.exchange});
+    for (const PairLines::Part& part : lines_.blockableParts(k))
+      parts_.push_back({part.index, ways * part.exchange, part.blockers});
     entry.part_count = static_cast<uint32_t>(parts_.size()) - entry.first_part;
   }
   for (Entry& entry : entries_) {
@@ -181,13 +184,14 @@ double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   return linesOf(entry, entry.looks - 1);
 }
 
-// Draws a few lines of an entry.
+// Draws a few lines of an entry: an eighth of its first look, within limits.
 UniformLineCount LineGuarantee::drawPilot(const Entry& entry) const {
   UniformLineCount sum;
+  const auto lines = static_cast<uint64_t>(std::clamp(linesOf(entry, 0) / 8, kFewestLines, kMostPilotLines));
   for (uint32_t k = 0; k < entry.part_count && k < kFewestLines; ++k) {
     const Part& part = parts_[entry.first_part + k];
-    sum += lines_.drawUniform(part.index, kPilotSeries, static_cast<uint64_t>(kFewestLines) / entry.part_count + 1,
-                              mostCandidates(entry, part), vectors_);
+    sum += lines_.drawUniform(part.index, kPilotSeries, lines / entry.part_count + 1, mostCandidates(entry, part),
+                              vectors_);
   }
   return sum;
 }
@@ -198,13 +202,15 @@ UniformLineCount LineGuarantee::drawPilot(const Entry& entry) const {
 void LineGuarantee::predict() {
   std::vector<uint32_t> uncertain;
   double most_uncertain = 0;
-  PromiseCost cost(options_.epsilon, scene_.faces.size(), pairs_);
+  PromiseCost cost(options_.epsilon, {scene_.faces.size(), options_.directions, pairs_, lines_.findingWork()});
   const auto add = [&](const Entry& entry, double lines, double candidates, double strata, double share,
                        double weight) {
     const std::span<const Part> parts(parts_.data() + entry.first_part, entry.part_count);
     std::vector<double> exchanges;
-    for (const Part& part : parts) exchanges.push_back(part.exchange);
-    cost.add({exchanges, ids_.smallerArea(entry.i, entry.j), entry.j < kEnvironment, share, lines, candidates, strata},
+    double blockers = 0;
+    for (const Part& part : parts) exchanges.push_back(part.exchange), blockers += double(part.blockers);
+    cost.add({exchanges, ids_.smallerArea(entry.i, entry.j), entry.j < kEnvironment, share, lines, candidates, strata,
+              blockers},
              weight);
     figures_.expected_lines += weight * (lines + strata);
   };

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "estimator/line_run.h"
 #include "pair_lines/pair_lines.h"
@@ -9,10 +10,17 @@
 namespace viewpeel {
 namespace {
 
-// These costs were measured, in seconds of one thread.
-constexpr double kFaces = 1e-7, kPair = 1.3e-6;  // to test two faces, and to find what lies between two that face
-constexpr double kEstimateLine = 30e-9, kEstimatePart = 4e-6;
-constexpr double kPromiseLine = 40e-9, kCandidate = 5e-9, kPromisePart = 4e-6, kStrataLine = 18e-9;
+// These costs were measured, in seconds of one thread (docs/speed.md).
+constexpr double kStart = 7e-3;                                    // the program's libraries
+constexpr double kDirection = 12e-6, kFaceOfDirection = 0.24e-6;   // common directions, on the processor
+constexpr double kPair = 0.9e-6, kShaft = 0.3e-6, kTest = 15e-9;   // to find pairs, with closed forms
+constexpr double kEstimatePair = 0.4e-6, kPromisePair = 0.7e-6;    // to plan, sum and write down a pair
+constexpr double kEstimatePart = 2e-6, kEstimateLine = 18e-9;      // in all replicates
+constexpr double kPromisePart = 0.6e-6, kBlockerOfPart = 0.25e-6;  // in all looks
+constexpr double kPromiseLine = 20e-9, kCandidate = 5e-9, kStrataLine = 10e-9;
+constexpr double kBlockerOfLine = 1e-9;  // of a line of either, and of lines in strata
+constexpr double kTiming = 5e-3;  // of lines that predict the seconds of a promise (LineGuarantee::measureSeconds)
+constexpr double kFurther = 1.3;  // lines of an estimate with replicates beyond its plan, over those planned
 constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
 
 // Returns the lines that an estimate draws for a part, pilots included (PairLines::plan).
@@ -27,23 +35,29 @@ double estimatedLines(double share, double goal) {
 
 }  // namespace
 
-PromiseCost::PromiseCost(double tolerance, size_t faces, size_t pairs) : tolerance_(tolerance) {
-  promise_s_ = estimate_s_ = kFaces * double(faces) * double(faces) / 2 + kPair * double(pairs);
+PromiseCost::PromiseCost(double tolerance, const SharedWork& shared) : tolerance_(tolerance) {
+  const auto pairs = double(shared.pairs);
+  const double both = kStart + shared.directions * (kDirection + kFaceOfDirection * double(shared.faces)) +
+                      kPair * pairs + kShaft * double(shared.finding.shafts) + kTest * double(shared.finding.tests);
+  promise_s_ = both + kPromisePair * pairs;
+  estimate_s_ = both + kEstimatePair * pairs;
 }
 
 void PromiseCost::add(const EntryLines& entry, double weight) {
+  if (!std::exchange(has_lines_, true)) promise_s_ += kTiming;
   const auto parts = double(entry.exchanges.size());
   const double errors = entry.is_pair ? kErrorsInGoal : kErrorsInRowGoal,
-               allowed = tolerance_ * entry.smaller_area / errors;
+               allowed = tolerance_ * entry.smaller_area / errors, blocking = kBlockerOfLine * entry.blockers / parts;
   // Each part gets its share of the variance by eq. (48) of docs/method.md, which needs the fewest lines.
   const auto partOf = [](double exchange) { return std::pow(exchange, 8.0 / 9); };
   double sum = 0, lines = 0;
   for (const double exchange : entry.exchanges) sum += partOf(exchange);
   for (const double exchange : entry.exchanges)
-    lines += estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
-  estimate_s_ += weight * (lines * kEstimateLine + parts * kEstimatePart);
-  promise_s_ += weight * (entry.lines * kPromiseLine + entry.candidates * kCandidate + entry.strata * kStrataLine +
-                          parts * kPromisePart);
+    lines += kFurther * estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
+  estimate_s_ += weight * (lines * (kEstimateLine + blocking) + parts * kEstimatePart);
+  promise_s_ +=
+      weight * (entry.lines * (kPromiseLine + blocking) + entry.candidates * kCandidate +
+                entry.strata * (kStrataLine + blocking) + parts * kPromisePart + entry.blockers * kBlockerOfPart);
 }
 
 }  // namespace viewpeel

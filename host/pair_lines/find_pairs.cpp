@@ -142,7 +142,8 @@ class PairFinder::Search {
   }
 
   // Copies the blockers between two clusters to `to`. Returns false where one of them hides a cluster from the other.
-  bool keepBetween(const BlockerList& from, uint32_t m, uint32_t n, BlockerList& to) const {
+  bool keepBetween(const BlockerList& from, uint32_t m, uint32_t n, BlockerList& to) {
+    ++found.work.shafts, found.work.tests += from.size();
     const Box &a = node(m).box, &b = node(n).box;
     Shaft(a, b).keepInside(from, to, vectors_);
     return m == n || Corners(a, b).findHider(finder_.blockers_, to, vectors_) == UINT32_MAX;
@@ -161,6 +162,7 @@ class PairFinder::Search {
         if (isBehind(patch, b.box)) continue;
         if (!is_same && isHiddenRow(patch, b.box, between)) continue;
         Shaft(patch, b.box).keepInside(between, row_, vectors_);
+        ++found.work.shafts, found.work.tests += between.size();
         list = &row_;
       }
       for (uint32_t m = is_same ? k + 1 : b.first; m < b.end; ++m) {
@@ -226,6 +228,7 @@ class PairFinder::Search {
       if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
       between_.clear();
       PatchShaft shaft(a, b);
+      ++found.work.shafts, found.work.tests += from.size();
       // The blocker that hid the last pair often hides the next one.
       if (from.size() > 0 && shaft.isHiddenBy(finder_.blockers_[last_hider_], vectors_)) return;
       if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
@@ -320,6 +323,7 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, d
       all.pairs.push_back(pair);
     }
     all.between.insert(all.between.end(), part.between.begin(), part.between.end());
+    all.work.shafts += part.work.shafts, all.work.tests += part.work.tests;
     part = {};
   }
   std::ranges::sort(all.pairs, {}, [](const PatchPair& pair) { return std::pair(pair.a, pair.b); });

@@ -31,10 +31,17 @@ struct PatchPair {
 // At most this number of pairs is found. A pair takes some 250 bytes, with its plan and its counts.
 constexpr size_t kMostPatchPairs = 12'000'000;
 
+// A FindingWork counts what a search has done. It is the same on all machines and for any number of threads.
+struct FindingWork {
+  uint64_t shafts = 0;  // made for two clusters, a patch and a cluster, or two patches
+  uint64_t tests = 0;   // of one blocker with one of these shafts
+};
+
 struct PatchPairs {
   bool is_complete = true;             // false: there are more than kMostPatchPairs, and the lists are not to be used
   std::vector<PatchPair> pairs;        // sorted by (a, b), without hidden pairs
   std::vector<PlacedBlocker> between;  // blockers of all pairs
+  FindingWork work;
 };
 
 // Returns a number above 0 where a blocker of the patch's plane lies in front of the patch.

@@ -248,7 +248,8 @@ std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
   std::vector<Part> found;
   const double unit = scene_.scale * scene_.scale;
   for (uint32_t k = groups_[pair].first; k < groups_[pair].first + groups_[pair].count; ++k)
-    if (parts_.pairs[k].blocker_count) found.push_back({k, parts_.pairs[k].exchange * unit});
+    if (parts_.pairs[k].blocker_count)
+      found.push_back({k, parts_.pairs[k].exchange * unit, parts_.pairs[k].blocker_count});
   return found;
 }
 

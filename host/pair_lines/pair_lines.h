@@ -79,6 +79,8 @@ class PairLines {
   //   Error: the standard errors are at most 0.8 % of all pairs of patches    Cost: as PairFinder::countFound.
   PairNumbers estimatePairs() const;
   PairLinesFigures figures() const;
+  // Returns what find() has done.
+  const FindingWork& findingWork() const { return parts_.work; }
   // Returns whether coincident polygons have no order (PairFinder). Then pair lines cannot be used.
   bool hasUnordered() const { return finder_.hasUnordered(); }
   // Returns whether find() has found more pairs than kMostPatchPairs and kept none.
@@ -99,7 +101,8 @@ class PairLines {
   // A Part is two patches of a pair of faces that something may block.
   struct Part {
     uint32_t index;
-    double exchange;  // unoccluded exchange area, input units squared
+    double exchange;    // unoccluded exchange area, input units squared
+    uint32_t blockers;  // number between the patches
   };
   // Returns the parts of a pair that something may block.    In: pair: an index into the pairs of find()
   std::vector<Part> blockableParts(size_t pair) const;

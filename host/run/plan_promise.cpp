@@ -47,9 +47,11 @@ bool FormFactorRun::State::planPromise() {
       throw Error(ErrorCode::limit, fmt::format("{:.1e} of a row's radiation ends on backs of polygons", leaked_share));
     makeLineGuarantee();
     const LineGuaranteeFigures& figures = line_guarantee->figures();
-    if (!setup.request().promise && figures.cost > kPromiseWorth * figures.estimate_cost)
-      throw Error(ErrorCode::limit, fmt::format("it would cost {:.2g} times as much as an estimate",
-                                                figures.cost / figures.estimate_cost));
+    if (!setup.request().promise && !isWorthPromise(figures.cost, figures.estimate_cost))
+      throw Error(
+          ErrorCode::limit,
+          fmt::format("it would cost {:.2g} times as much as an estimate, {} of CPU time in place of {}",
+                      figures.cost / figures.estimate_cost, inWords(figures.cost), inWords(figures.estimate_cost)));
   } catch (const Error& error) {
     takeBackPromise();
     refusePromise(error.what());

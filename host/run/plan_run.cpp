@@ -266,7 +266,9 @@ void FormFactorRun::State::makeLineGuarantee() {
   const EpsilonDelta& goal = *setup.guarantee();
   line_guarantee.emplace(
       setup.scene(), setup.faceIds(), setup.ids(), *pair_lines, line_pairs,
-      LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by, setup.leastFormFactor()});
+      LineGuaranteeOptions{
+          goal.epsilon, goal.delta, goal.rows, setup.request().by, setup.leastFormFactor(),
+          plan->directions ? double(kPilotDirections) + double(kFewReplicates) * plan->directions : 0});
 }
 
 void FormFactorRun::State::makePlan() {

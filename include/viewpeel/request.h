@@ -105,8 +105,8 @@ struct Request {
   // the predicted time.
   std::optional<bool> pair_lines;
   // A Tolerance T is promised: it becomes the guarantee EpsilonDelta{T, 0.01} with rows, so every form factor is within
-  // T with probability 0.99, and has an interval. Unset: where this costs at most twice an estimate of the same largest
-  // error, and no other option needs an estimate (PlanSummary::no_promise). FormFactorRun::request() has the goal then.
+  // T with probability 0.99, and has an interval. Unset: where the run costs at most twice an estimate, or half
+  // a second of CPU time, and no option needs an estimate (PlanSummary::no_promise). request() has the goal then.
   std::optional<bool> promise;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, whose checkpoints can be merged

@@ -86,8 +86,8 @@ struct LineGuaranteeFigures {
   double lemma_1 = 0, lemma_1_all = 0;  // directions by Pellegrini's Lemma 1: for one pair, and for all entries
   double median_directions = 0;         // directions of Statistic::median, for all entries
   double plan_seconds = 0, expected_seconds = 0, most_seconds = 0;
-  // Predicted costs of this guarantee and of an estimate of the same largest error: seconds of one thread, from numbers
-  // of pairs and lines alone, so that they are the same on every machine.
+  // Predicted costs of whole runs, from the program's start to the result: with this guarantee, and with an estimate of
+  // the same largest error. Seconds of one thread, from numbers of pairs and lines alone: the same on every machine.
   double cost = 0, estimate_cost = 0;
   // Pairs with a smaller unoccluded form factor get no lines: common directions count them, and 0 is within epsilon of
   // their form factors.

@@ -79,7 +79,7 @@ def compute(
         seed: the same seed and plan give the same bits
         engine, device, threads, sampling, sampler, unoccluded, pair_lines: as the program's options
         promise: whether the tolerance is a guarantee, with an interval for each form factor (`bounds`). By default it
-            is where a guarantee costs at most twice an estimate, and never with a checkpoint
+            is where a guarantee costs at most twice an estimate, or half a second of CPU time; never with a checkpoint
         checkpoint, resume: a file for the counts, written at the end, on Ctrl-C and every half minute; whether to
             continue from it
         progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: phase

@@ -85,8 +85,8 @@ TEST_F(Program, SaysWhetherATolerancePromises) {
   };
   expect("1e-2", promise, true);
   expect("1e-2 --json", "\n  \"guarantee\": {\n    \"epsilon\": 0.01,\n    \"delta\": 0.01,", true);
-  expect("1e-3", estimate + "it would cost ", false);
-  expect("1e-3 --json", "\"no_promise\": \"it would cost ", false);
+  expect("3e-4", estimate + "it would cost ", false);
+  expect("3e-4 --json", "\"no_promise\": \"it would cost ", false);
   expect("1e-2 --promise off", estimate + "--promise off", false);
   expect("1e-2 --replicates 8", estimate + "--promise off, --replicates", false);
   expect("1e-2 --checkpoint " + file("s.h5"), estimate + "--promise off, --replicates or --checkpoint", false);
