@@ -136,7 +136,9 @@ std::string describePlan(const FormFactorRun& run) {
   const std::string goal =
       plan.no_promise.empty() ? "" : fmt::format("goal       an estimate, no promise: {}\n", plan.no_promise);
   if (plan.pair_lines) return goal + describePairLines(*plan.pair_lines, plan, request.seed);
-  return goal +
+  const std::string no_lines =
+      plan.no_pair_lines.empty() ? "" : fmt::format("pairs      no lines of their own: {}\n", plan.no_pair_lines);
+  return goal + no_lines +
          fmt::format("sampling   {} a replicate, {}; {}; seed {}\n", counted(plan.directions, "direction"),
                      plan.sampler, describeLattices(plan), request.seed) +
          describeExpectation(request, plan);

@@ -200,6 +200,7 @@ void addResult(Json& report, const Result& result) {
   addEstimate(report, result);
   report["seconds"] = result.seconds;
   if (!result.plan.no_promise.empty()) report["no_promise"] = result.plan.no_promise;
+  if (!result.plan.no_pair_lines.empty()) report["no_pair_lines"] = result.plan.no_pair_lines;
   report["goal_reached"] = result.goal_reached;
   // Version 0.1 used the name `closed`.
   if (result.balanced) report["balanced"] = report["closed"] = jsonOf(*result.balanced);

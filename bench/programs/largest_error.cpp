@@ -54,7 +54,6 @@ FormFactors compute(const Scene& scene, const std::string& name, double toleranc
   request.seed = seed;
   request.two_sided = name == "two_sided";
   request.question.from = rows;
-  if (!rows.empty()) request.pair_lines = true;  // beyond 8,000 polygons rows would have common directions alone
   return computeFormFactors(scene, request).form_factors;
 }
 

@@ -21,6 +21,20 @@ bool mayUsePairLines(const Request& request) {
   return request.engine != EngineKind::exact && has_goal && !amountOf(request).directions;
 }
 
+std::string optionAgainstPairLines(const Request& request) {
+  if (!request.pair_lines.value_or(true)) return "--pair-lines off";
+  if (request.unoccluded) return "--unoccluded";
+  if (request.sampling) return "--sampling";
+  if (request.sampler) return "--sampler";
+  const Amount amount = amountOf(request);
+  if (amount.directions) return "--directions";
+  if (amount.resolution) return "--resolution";
+  const bool has_lines = request.engine == EngineKind::automatic || request.engine == EngineKind::host ||
+                         request.engine == EngineKind::compute;
+  const bool is_guarantee = std::holds_alternative<EpsilonDelta>(request.goal);
+  return request.engine == EngineKind::exact || (!has_lines && !is_guarantee) ? "--engine" : "";
+}
+
 std::string optionAgainstPromise(const Request& request) {
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
   if (std::holds_alternative<Seconds>(request.goal) || request.time_limit_s) return "--seconds";

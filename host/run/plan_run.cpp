@@ -120,11 +120,13 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     makeLineEngine();
     return "";
   }
-  if (!setup.mayMix()) return "";
+  if (!setup.plansWhichPairs()) return "";
   const uint32_t replicates = setup.estimate().replicates;
   LineWork work{pair_lines->estimatePairs(), double(counts.size()) / kPilotDirections};
   const LineMixture mixture = setup.mixture();
   if (paysLinesForAll(work, mixture, replicates)) return "";
+  if (!setup.request().question.isEverything())
+    return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
   std::string why =
       "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";
   if (shareOutside(counts) <= kGrazedOfScene) {
@@ -191,7 +193,7 @@ bool FormFactorRun::State::findLinePairs() {
 void FormFactorRun::State::planPairLines() {
   if (const std::string why = makePairLines(); !why.empty()) return planWithoutPairLines(why);
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
-  if (setup.mayMix() && no_promise.empty())
+  if (setup.plansWhichPairs() && no_promise.empty())
     no_promise = fmt::format("there are more than {} polygons", kMostPairLineFaces);
   if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
 }
@@ -225,6 +227,7 @@ void FormFactorRun::State::requireNoPairLines() const {
 
 void FormFactorRun::State::planWithoutPairLines(const std::string& why) {
   if (no_promise.empty()) refusePromise(why);
+  no_pair_lines = why;
   pair_lines.reset();
   line_pairs.clear();
   setup.leaveOutPairLines();
@@ -232,10 +235,8 @@ void FormFactorRun::State::planWithoutPairLines(const std::string& why) {
 }
 
 void FormFactorRun::State::planEstimateOfDirections() {
-  if (no_promise.empty())
-    refusePromise(setup.scene().faces.size() > kMostPairLineFaces
-                      ? fmt::format("there are more than {} polygons", kMostPairLineFaces)
-                      : fmt::format("the tolerance is above {}", kPairLineTolerance));
+  no_pair_lines = resumed ? "the checkpoint has none" : setup.noPairLines();
+  if (no_promise.empty()) refusePromise(no_pair_lines);
   plan = makePlanOfRequest();
 }
 
@@ -289,7 +290,9 @@ void FormFactorRun::State::summariseRun() {
   engine = observed(std::move(engine), observer.on_count);
   summary = guarantee ? summarise(setup, *guarantee) : summarise(setup, *plan);
   if (line_guarantee) summary.line_guarantee = line_guarantee->figures();
-  if (!setup.guarantee()) summary.no_promise = no_promise;
+  if (setup.guarantee()) return;
+  summary.no_promise = no_promise;
+  if (setup.estimate().tolerance || setup.estimate().relative) summary.no_pair_lines = no_pair_lines;
 }
 
 }  // namespace viewpeel

@@ -28,6 +28,9 @@ bool mayUseUnoccluded(const Request& request);
 // Returns whether pair lines are possible: the goal must say how many lines a pair needs, and the engine must suit.
 bool mayUsePairLines(const Request& request);
 
+// Returns the option by which a request asks for common directions alone; empty where there is none.
+std::string optionAgainstPairLines(const Request& request);
+
 // Returns the option by which a request asks for an estimate, so that its tolerance is no promise; empty where there is
 // none.
 std::string optionAgainstPromise(const Request& request);

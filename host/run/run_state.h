@@ -50,6 +50,7 @@ struct FormFactorRun::State {
   std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
   double leaked_share = 0;         // largest share of a row's lines that leak, along a few directions
   std::string no_promise;          // why the tolerance is not promised but estimated; else empty
+  std::string no_pair_lines;       // why there are no pair lines; else empty
   bool is_promise_broken = false;  // whether a promise was planned and could not be kept
   bool is_interrupted = false, is_done = false;
 

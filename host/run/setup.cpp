@@ -135,20 +135,27 @@ void Setup::settleUnoccluded() {
 // Decides whether to use pair lines. In large scenes a guarantee has them, and so may a tolerance of the whole matrix:
 // there the plan says which pairs get them (line_mixture.h).
 void Setup::settlePairLines() {
-  const bool is_open = !request_.unoccluded && !request_.sampling && !request_.sampler && !resolution_ && plans_ &&
-                       (guarantee() || request_.engine == EngineKind::automatic ||
-                        request_.engine == EngineKind::host || request_.engine == EngineKind::compute);
-  const bool pays = (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0 || mayMix()) &&
-                    (!estimate_.tolerance || *estimate_.tolerance <= kPairLineTolerance);
+  no_pair_lines_ = reasonAgainstPairLines();
   const bool is_promise = request_.promise.value_or(false);  // then pair lines are used whatever they cost
-  pair_lines_ = request_.pair_lines.value_or(is_promise || (is_open && pays && mayUsePairLines(request_)));
+  pair_lines_ = request_.pair_lines.value_or(is_promise || no_pair_lines_.empty());
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
-bool Setup::mayMix() const {
+// Returns why pair lines are not used by default; empty where they are.
+std::string Setup::reasonAgainstPairLines() const {
+  if (const std::string option = optionAgainstPairLines(request_); !option.empty())
+    return fmt::format("{} asks for common directions", option);
+  if (!mayUsePairLines(request_)) return "the goal does not say how large an error may be";
+  if (estimate_.tolerance && *estimate_.tolerance > kPairLineTolerance)
+    return fmt::format("the tolerance is above {}", kPairLineTolerance);
+  if (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0 || plansWhichPairs()) return "";
+  return "the scene has too many polygons";
+}
+
+bool Setup::plansWhichPairs() const {
   return scene_.faces.size() > kMostPairLineFaces && !guarantee() && (estimate_.tolerance || estimate_.relative) &&
-         !request_.promise.value_or(false) && request_.question.isEverything() &&
-         mayFit(mixture(), estimate_.replicates, face_ids_.count());
+         !request_.promise.value_or(false) &&
+         (!request_.question.isEverything() || mayFit(mixture(), estimate_.replicates, face_ids_.count()));
 }
 
 LineMixture Setup::mixture() const {

@@ -54,6 +54,8 @@ class Setup {
   int resolution() const { return resolution_; }
   bool usesUnoccluded() const { return unoccluded_ && !pair_lines_; }
   bool usesPairLines() const { return pair_lines_; }
+  // Returns why pair lines are not used by default; empty where they are.
+  const std::string& noPairLines() const { return no_pair_lines_; }
   // Returns the unoccluded form factor below which pairs get no lines in a guarantee; 0: all pairs get lines. Large
   // scenes have too many pairs below it, and a guarantee does not need their lines.
   double leastFormFactor() const;
@@ -71,9 +73,9 @@ class Setup {
   // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
-  // Returns whether a scene of many polygons may have pair lines: of all pairs, or of pairs that are not small against
-  // the goal (line_mixture.h).
-  bool mayMix() const;
+  // Returns whether the plan decides which pairs have lines, for there are many polygons: all pairs, those that are not
+  // small against the goal (line_mixture.h), or none.
+  bool plansWhichPairs() const;
   LineMixture mixture() const;
   // Returns whether small polygons may have lattices of their own.
   bool mayHaveWindows() const;
@@ -84,6 +86,7 @@ class Setup {
  private:
   void settleUnoccluded();
   void settlePairLines();
+  std::string reasonAgainstPairLines() const;
   void chooseEngine();
   void requireWhatEnginesHave() const;
   void settleDirections();
@@ -95,7 +98,7 @@ class Setup {
   Ids ids_, face_ids_;
   EngineKind engine_ = EngineKind::host;
   LatticeOptions lattice_;
-  std::string sampler_;
+  std::string sampler_, no_pair_lines_;
   EstimateOptions estimate_;
   bool plans_ = true, unoccluded_ = false, unoccluded_by_default_ = false, unoccluded_possible_ = false,
        pair_lines_ = false;

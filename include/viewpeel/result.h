@@ -132,6 +132,7 @@ struct PlanSummary {
   std::optional<PairLinesSummary> pair_lines;
   std::optional<LineGuaranteeFigures> line_guarantee;
   std::string no_promise;              // why the tolerance is estimated; empty where it is promised
+  std::string no_pair_lines;           // of an estimate to a tolerance: why it has no pair lines; empty where it has
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
   uint64_t pairs_with_visibility = 0;  // of these pairs, with a visibility from a pilot
 };

@@ -1,5 +1,6 @@
 // A run may be split into parts, on one machine or several. `merge` turns the parts into the bytes of one whole run.
 #include <fmt/format.h>
+#include <glm/vec3.hpp>
 
 #include "tests/support/running.h"
 
@@ -109,6 +110,54 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
     EXPECT_NE(refused.output.find(std::string("--part: '") + part + "' is not a part like 2/8"), std::string::npos)
         << refused.output;
   }
+}
+
+// Parts of a run in which large pairs have lines and common directions count all others. They merge to the bytes of a
+// run that goes on to all replicates alone. In the closed box a small slab hides parts of a large one.
+TEST_F(Parts, PartsOfAMixtureMergeToOneRun) {
+  constexpr int kCuts = 37;
+  std::ofstream scene(file("box.obj"));
+  const auto rectangle = [&](glm::dvec3 at, glm::dvec3 u, glm::dvec3 v, int cuts) {
+    for (int k = 0; k < cuts * cuts; ++k) {
+      const glm::dvec3 a = at + (double(k / cuts) * u + double(k % cuts) * v) / double(cuts);
+      for (const glm::dvec3& p : {a, a + u / double(cuts), a + (u + v) / double(cuts), a + v / double(cuts)})
+        scene << fmt::format("v {} {} {}\n", p.x, p.y, p.z);
+      scene << "f -4 -3 -2 -1\n";
+    }
+  };
+  const auto box = [&](glm::dvec3 low, double x, double y, double z, int cuts, bool inwards) {
+    const glm::dvec3 sides[3] = {{x, 0, 0}, {0, y, 0}, {0, 0, z}};
+    for (int k = 0; k < 3; ++k) {
+      glm::dvec3 u = sides[(k + 1) % 3], v = sides[(k + 2) % 3];
+      if (!inwards) std::swap(u, v);
+      rectangle(low, u, v, cuts);
+      rectangle(low + sides[k], v, u, cuts);
+    }
+  };
+  box({0, 0, 0}, 1, 1, 1, kCuts, true);
+  box({0.3, 0.2, 0.45}, 0.4, 0.5, 0.1, 1, false);
+  box({0.4, 0.3, 0.2}, 0.2, 0.3, 0.1, 1, false);
+  scene.close();
+  const std::string options = "compute " + file("box.obj") + " --tolerance 0.02 --checkpoint ";
+  std::string inputs;
+  for (const std::string part : {"1", "2", "3"}) {
+    const Result r = run(options + file(part + ".h5") + " --replicates 2 --part " + part + "/3");
+    ASSERT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find("may be blocked in part"), std::string::npos) << r.output;
+    EXPECT_NE(r.output.find("all other pairs have form factors below 0.002"), std::string::npos) << r.output;
+    inputs = fmt::format(" {}{}", file(part + ".h5"), inputs);
+  }
+  ASSERT_EQ(run("merge --quiet" + inputs + " -o " + file("merged.mtx") + " --checkpoint " + file("merged.h5")).status,
+            0);
+  fs::copy_file(file("1.h5"), file("whole.h5"));
+  ASSERT_EQ(
+      run(options + file("whole.h5") + " --quiet --resume --replicates 6 --part 1/1 -o " + file("whole.mtx")).status,
+      0);
+  EXPECT_EQ(replicatesOf("whole.h5"), "0 to 5");
+  EXPECT_TRUE(readFile(file("merged.mtx")) == readFile(file("whole.mtx")));
+  EXPECT_TRUE(readFile(file("merged.h5")) == readFile(file("whole.h5")));
+  ASSERT_EQ(run("merge --quiet " + file("1.h5") + " " + file("3.h5") + " -o " + file("two.mtx")).status, 0);
+  EXPECT_FALSE(readFile(file("two.mtx")) == readFile(file("whole.mtx")));
 }
 
 // This scene has so many polygons that its checkpoint leaves out the unoccluded form factors of pairs that few lines

@@ -100,6 +100,27 @@ TEST_F(Program, SaysWhetherATolerancePromises) {
   EXPECT_EQ(run("compute " VIEWPEEL_SCENES "/street.obj --epsilon 0.1 --promise off").status, 2);
 }
 
+// The line `pairs` says why no pair has lines of its own, also where the line `goal` has another reason.
+TEST_F(Program, SaysWhyThereAreNoPairLines) {
+  const std::string street = "compute " VIEWPEEL_SCENES "/street.obj --tolerance ",
+                    none = "\npairs      no lines of their own: ";
+  const auto expect = [&](const std::string& options, const std::string& why) {
+    const Result r = run(street + options);
+    EXPECT_EQ(r.status, 0) << r.output;
+    if (why.empty()) EXPECT_EQ(r.output.find("no lines of their own"), std::string::npos) << options << r.output;
+    else EXPECT_NE(r.output.find(none + why + "\n"), std::string::npos) << options << ": " << r.output;
+  };
+  expect("1e-2", "");
+  expect("1e-2 --promise off", "");
+  expect("0.05", "the tolerance is above 0.02");
+  expect("0.05 --promise off", "the tolerance is above 0.02");
+  expect("0.05 --engine exact", "--engine asks for common directions");
+  expect("0.05 --sampling lattice --promise off", "--sampling asks for common directions");
+  expect("1e-2 --pair-lines off --promise off", "--pair-lines off asks for common directions");
+  const Result json = run(street + "0.05 --json");
+  EXPECT_NE(json.output.find("\"no_pair_lines\": \"the tolerance is above 0.02\""), std::string::npos) << json.output;
+}
+
 // This is the oldest published case with a wall without thickness (FACET, UCID-19887, 1983). Its two sides are a sheet
 // unless the user says otherwise.
 TEST_F(Program, TwoSidesOfAWallDoNotSeeEachOther) {

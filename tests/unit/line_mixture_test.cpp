@@ -248,6 +248,7 @@ TEST(MixtureRuns, GoOnFromACheckpoint) {
   ASSERT_TRUE(plan.pair_lines);
   EXPECT_EQ(plan.pair_lines->least_form_factor, kGoal / kMostOfCounted);
   EXPECT_FALSE(plan.no_promise.empty());
+  EXPECT_EQ(plan.no_pair_lines, "");
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "line_mixture.h5";
   for (int k = 0; k < 3; ++k) whole.step();
   whole.writeCheckpoint(file);
@@ -287,7 +288,7 @@ double largestErrorOfRows(const FormFactors& found, const FormFactors& truth) {
 }
 
 // In a city most pairs are hidden, and finding the others takes seconds. So all of them have lines, and so has the sky.
-// The truth has some rows, at a fifth of the goal, by lines of another seed.
+// The truth has some rows, at a fifth of the goal, by lines of another seed. A question of these rows has lines, too.
 TEST(MixtureRuns, AllPairsOfAnOpenCityHaveLines) {
   const Scene scene = buildScene(bench::city(8'600));
   ASSERT_GT(scene.faces.size(), 8'000u);
@@ -297,11 +298,11 @@ TEST(MixtureRuns, AllPairsOfAnOpenCityHaveLines) {
   EXPECT_TRUE(result.goal_reached);
   Request of_rows = requestOf(kGoal / 5);
   of_rows.promise = false;
-  of_rows.pair_lines = true;
   of_rows.seed = 7;
   const std::vector<std::string>& names = result.form_factors.ids().names;
   for (size_t k = 0; k < 24; ++k) of_rows.question.from.push_back(names[(2 * k + 1) * names.size() / 48]);
   const Result truth = computeFormFactors(scene, of_rows);
+  EXPECT_TRUE(truth.plan.pair_lines) << truth.plan.no_pair_lines;
   EXPECT_LE(largestErrorOfRows(result.form_factors, truth.form_factors), kGoal);
   std::vector<FormFactors::Entry> faulty = result.form_factors.entries();
   std::erase_if(faulty, [](const FormFactors::Entry& entry) { return entry.j == kEnvironment; });
@@ -326,6 +327,7 @@ TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
   run.makePlan();
   EXPECT_FALSE(run.plan().pair_lines);
   EXPECT_NE(run.plan().no_promise.find("lines leave the scene"), std::string::npos) << run.plan().no_promise;
+  EXPECT_EQ(run.plan().no_pair_lines, run.plan().no_promise);
 }
 
 }  // namespace

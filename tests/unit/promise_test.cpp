@@ -226,6 +226,45 @@ TEST(Promise, IsNotMadeWhereTheRequestIsAboutEstimates) {
   EXPECT_THROW(checkRequest(request), Error);
 }
 
+// A run to a tolerance says why it has no pair lines, with a promise or without.
+TEST(NoPairLines, AreExplained) {
+  const Scene scene = street();
+  const auto expectReason = [&](Request request, const std::string& why) {
+    for (const std::optional<bool> promise : {std::optional<bool>(), std::optional(false)}) {
+      request.promise = promise;
+      FormFactorRun run(scene, request);
+      run.makePlan();
+      EXPECT_EQ(run.plan().no_pair_lines, why);
+      EXPECT_FALSE(run.plan().pair_lines || run.plan().line_guarantee) << why;
+    }
+  };
+  Request request = toleranceOf(1e-2);
+  request.pair_lines = false;
+  expectReason(request, "--pair-lines off asks for common directions");
+  request = toleranceOf(1e-2);
+  request.sampling = Sampling::lattice;
+  expectReason(request, "--sampling asks for common directions");
+  request = toleranceOf(1e-2);
+  request.sampler = Sampler::iid;
+  expectReason(request, "--sampler asks for common directions");
+  request = toleranceOf(1e-2);
+  request.unoccluded = false;
+  expectReason(request, "--unoccluded asks for common directions");
+  request = toleranceOf(1e-2);
+  request.amount.resolution = 128;
+  expectReason(request, "--resolution asks for common directions");
+  expectReason(toleranceOf(0.05), "the tolerance is above 0.02");
+  request = toleranceOf(1e-2);
+  request.goal = FixedAmount{.directions = 16, .replicates = 2};
+  expectReason(request, "");  // such a run has no goal that lines could serve
+  for (const double tolerance : {1e-2, 1e-3}) {
+    FormFactorRun run(scene, toleranceOf(tolerance));
+    run.makePlan();
+    EXPECT_TRUE(run.plan().pair_lines || run.plan().line_guarantee);
+    EXPECT_EQ(run.plan().no_pair_lines, "");
+  }
+}
+
 // The back of a plate receives radiation. This leak has no interval, so nothing can be promised.
 TEST(Promise, IsNotMadeWhereLinesEndOnBacks) {
   InputScene input{"leak", {}, {}};
