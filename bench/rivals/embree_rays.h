@@ -1,5 +1,5 @@
-// EmbreeRays has two rivals that trace rays by Embree on all cores. One shoots rays from polygons. The other samples
-// the double area integral, with one visibility ray for each sample.
+// EmbreeRays has three rivals that trace rays by Embree on all cores. One shoots rays from polygons, one follows paths
+// of radiation. The third samples the double area integral, with one visibility ray for each sample.
 #pragma once
 #include <vector>
 
@@ -40,6 +40,14 @@ class EmbreeRays {
   // Shoots rays from points uniform on every polygon, by the cosine law.
   //   In: rays_per_polygon: for Sobol' points best a power of two
   RayCounts shoot(Trace trace, Points points, uint64_t rays_per_polygon, uint64_t seed) const;
+
+  // Follows paths of radiation until they are absorbed or leave the scene. A polygon that a path reaches absorbs it,
+  // with the probability of its absorptivity. Else it sends the path on by the cosine law, from a point uniform on the
+  // polygon: each polygon has one radiosity, as in a solution from form factors.
+  //   In: power: that each polygon emits, of either sign; absorptivity: in [0, 1]; paths: over all polygons
+  //   Out: power that arrives at each polygon, in the unit of `power`
+  std::vector<double> tracePaths(Trace trace, const std::vector<double>& power, const std::vector<double>& absorptivity,
+                                 uint64_t paths, uint64_t seed) const;
 
   // Estimates A_i F_ij = int int cos cos V / (pi r^2) over both polygons, for every pair whose fronts look at each
   // other. Each sample is a pair of points, and one ray finds its V.
