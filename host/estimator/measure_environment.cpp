@@ -6,6 +6,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
+#include <utility>
 
 #include <glm/glm.hpp>
 
@@ -54,6 +56,7 @@ class Measurement {
     };
     engine_ = makeHostEngine(scene, ids_, options);
     ids_.roles.clear();
+    findExtents(scene);
     unit_area_ = engine_->unitArea() * scene.scale * scene.scale;
   }
 
@@ -119,7 +122,8 @@ class Measurement {
 
   EnvironmentParts partsOf(const std::vector<Counts>& replicates, uint32_t directions) const {
     const size_t replicate_count = replicates.size();
-    EnvironmentParts parts{.ids = ids_, .replicates = replicate_count, .directions = directions * replicate_count};
+    EnvironmentParts parts{
+        .ids = ids_, .extents = extents_, .replicates = replicate_count, .directions = directions * replicate_count};
     parts.up_share_errors.assign(replicate_count, std::vector<double>(ids_.count()));
     const double count_area = 2 * unit_area_ / directions;
     for (uint32_t i = 0; i < ids_.count(); ++i) {
@@ -146,6 +150,27 @@ class Measurement {
     for (const Counts& counts : replicates) squares += std::pow(of(counts) - mean, 2);
     return {mean * form_factor_of_count,
             std::sqrt(squares / (replicate_count * (replicate_count - 1))) * form_factor_of_count};
+  }
+
+  // With nothing in the way (1 + n_up) / 2 of what a polygon of normal n emits goes up, and half of it from both sides.
+  void findExtents(const Scene& scene) {
+    const glm::dvec3 up = glm::normalize(request_.up);
+    extents_.assign(ids_.count(), {0, INFINITY, -INFINITY});
+    std::vector<double> areas(ids_.count(), 0);
+    for (size_t k = 0; k < scene.polygons.size(); ++k) {
+      const Polygon& polygon = scene.polygons[k];
+      const uint32_t id = ids_.of_polygon[k];
+      EnvironmentParts::Extent& extent = extents_[id];
+      const double slope =
+          (polygon.front_along_plane_normal ? 1 : -1) * glm::dot(scene.planes[polygon.plane].normal, up);
+      extent.up += polygon.area * (ids_.two_sided ? 0.5 : (1 + slope) / 2);
+      areas[id] += polygon.area;
+      for (uint32_t c = 0; c < polygon.corner_count; ++c) {
+        const double height = glm::dot(scene.corners[polygon.first_corner + c], up);
+        extent.lowest = std::min(extent.lowest, height), extent.highest = std::max(extent.highest, height);
+      }
+    }
+    for (uint32_t id = 0; id < ids_.count(); ++id) extents_[id].up /= areas[id];
   }
 
   // The share is a ratio of means; its error follows from the residuals of the ratio, in first order.
@@ -181,9 +206,71 @@ class Measurement {
   bool may_end_ = false;  // whether enough replicates are counted for a result, so that the time limit may end the run
   Ids ids_;
   std::unique_ptr<Engine> engine_;
+  std::vector<EnvironmentParts::Extent> extents_;
   double unit_area_ = 0;
   uint64_t rounds_ = 0;
 };
+
+constexpr double kTilt = 1e-6;  // bound on the rounding of a plane's normal, from coordinates in single precision
+
+// A Blocked bounds the parts of a row's radiation that end on other rows above or below the horizon.
+struct Blocked {
+  Interval up{0, 0}, down{0, 0};
+};
+
+// Bounds what each row's pairs block. A pair is above the horizon where no point of the other row lies below one of
+// this row. What a pair blocks that is on neither side, or of one row, may lie above or below as a whole.
+std::vector<Blocked> findBlocked(const FormFactors& form_factors,
+                                 const std::vector<EnvironmentParts::Extent>& extents) {
+  const Ids& ids = form_factors.ids();
+  std::vector<Blocked> blocked(ids.count());
+  const auto add = [&](uint32_t i, uint32_t j) {
+    const Interval interval = form_factors.interval(i, j);
+    const bool is_row = j < kEnvironment, not_below = is_row && extents[j].lowest >= extents[i].highest,
+               not_above = is_row && extents[j].highest <= extents[i].lowest;
+    const bool is_up = not_below && !not_above, is_down = not_above && !not_below;
+    if (!is_down) blocked[i].up.upper += interval.upper;
+    if (!is_up) blocked[i].down.upper += interval.upper;
+    if (is_up) blocked[i].up.lower += interval.lower;
+    if (is_down) blocked[i].down.lower += interval.lower;
+  };
+  for (const FormFactors::Entry& entry : form_factors.entries()) {
+    if (entry.j == kEnvironment) continue;
+    if (ids.isRequested(entry.i)) add(entry.i, entry.j);
+    if (entry.j < kEnvironment && entry.j != entry.i && ids.isRequested(entry.j)) add(entry.j, entry.i);
+  }
+  // Where not all that blocks is among the entries, only their lower bounds say something.
+  if (!ids.rows_sum_to_one || form_factors.unlistedBound() > 0)
+    for (Blocked& row : blocked) row.up.upper = row.down.upper = INFINITY;
+  return blocked;
+}
+
+// Returns the intervals of a row's parts.
+//   In: all: interval of the whole environment; open_up: part above with nothing in the way
+std::pair<Interval, Interval> boundParts(const Interval& all, const Blocked& blocked, double open_up) {
+  const auto partOf = [&](double open, const Interval& of_part) {
+    return Interval{std::max(0.0, open - std::min(of_part.upper, 1 - all.lower) - kTilt),
+                    std::max(0.0, std::min(all.upper, open - of_part.lower + kTilt))};
+  };
+  const Interval up = partOf(open_up, blocked.up), down = partOf(1 - open_up, blocked.down);
+  const auto lessOther = [&](const Interval& part, const Interval& other) {
+    const double upper = std::min(part.upper, std::max(0.0, all.upper - other.lower));
+    return Interval{std::min(upper, std::max(part.lower, all.lower - other.upper)), upper};
+  };
+  return {lessOther(up, down), lessOther(down, up)};
+}
+
+// Moves the parts of a row into their intervals. Their sum stays as it is where the intervals have such parts.
+void moveInside(const Interval& up_interval, const Interval& down_interval, Measured& up, Measured& down) {
+  const double all = up.value + down.value, least = std::max(up_interval.lower, all - down_interval.upper),
+               most = std::min(up_interval.upper, all - down_interval.lower);
+  if (least <= most) {
+    up.value = std::clamp(up.value, least, most);
+    down.value = all - up.value;
+  }
+  up.value = std::clamp(up.value, up_interval.lower, up_interval.upper);
+  down.value = std::clamp(down.value, down_interval.lower, down_interval.upper);
+}
 
 }  // namespace
 
@@ -200,6 +287,11 @@ EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentPa
   if (ids.count() != parts.ids.count())
     throw Error(ErrorCode::bad_usage, "the environment was measured for other rows than those of the form factors");
   parts.largest_standard_error = 0;
+  std::vector<Blocked> blocked;
+  if (form_factors.hasIntervals()) {
+    blocked = findBlocked(form_factors, parts.extents);
+    parts.up_intervals.resize(ids.count()), parts.down_intervals.resize(ids.count());
+  }
   for (uint32_t i = 0; i < ids.count(); ++i) {
     const Measured all = ids.isRequested(i) ? form_factors.formFactor(i, kEnvironment) : Measured{},
                    share = parts.up_share[i];
@@ -210,6 +302,11 @@ EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentPa
     parts.all[i] = all;
     parts.up[i] = partOf(share.value);
     parts.down[i] = partOf(1 - share.value);
+    if (!blocked.empty() && ids.isRequested(i)) {
+      const Interval whole = form_factors.interval(i, kEnvironment);
+      std::tie(parts.up_intervals[i], parts.down_intervals[i]) = boundParts(whole, blocked[i], parts.extents[i].up);
+      moveInside(parts.up_intervals[i], parts.down_intervals[i], parts.up[i], parts.down[i]);
+    }
     for (const Measured& part : {parts.up[i], parts.down[i], all})
       parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
   }

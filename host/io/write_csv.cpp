@@ -22,12 +22,14 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
   if (has_guesses) out << ",is_guess";
   if (content.balanced) out << ',' << content.balanced_column;
   out << '\n';
-  // The parts of the environment, up and down, have no intervals. They have no balanced form factors, for only closed
-  // scenes are balanced.
-  const auto printPart = [&](uint32_t i, const char* name, const Measured& f) {
+  // The parts of the environment, up and down, have no balanced form factors, for only closed scenes are balanced.
+  const auto printPart = [&](uint32_t i, const char* name, const Measured& f, const std::vector<Interval>& intervals) {
     if (f.value == 0 && f.standard_error == 0) return;
     fmt::print(out, "{},{},{},{}{}{}{}\n", quoteName(names[i]), name, f.value, f.standard_error,
-               has_intervals ? ",," : "", has_guesses ? ",0" : "", content.balanced ? "," : "");
+               !has_intervals      ? ""
+               : intervals.empty() ? ",,"
+                                   : fmt::format(",{},{}", intervals[i].lower, intervals[i].upper),
+               has_guesses ? ",0" : "", content.balanced ? "," : "");
   };
   forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
     const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
@@ -40,8 +42,8 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
     if (content.balanced) fmt::print(out, ",{}", content.balanced->formFactor(i, j).value);
     out << '\n';
     if (j != kEnvironment || !content.parts) return;
-    printPart(i, "environment:up", content.parts->up[i]);
-    printPart(i, "environment:down", content.parts->down[i]);
+    printPart(i, "environment:up", content.parts->up[i], content.parts->up_intervals);
+    printPart(i, "environment:down", content.parts->down[i], content.parts->down_intervals);
   });
 }
 

@@ -119,6 +119,11 @@ void addRows(Hdf5Output& out, const OutputContent& content) {
       const std::vector<Measured>& of_ids = *part;
       addColumn(name, "1", [&](uint32_t id) { return of_ids[id].value; });
       addColumn(std::string(name) + "_standard_error", "1", [&](uint32_t id) { return of_ids[id].standard_error; });
+      const std::vector<Interval>& intervals =
+          part == &content.parts->up ? content.parts->up_intervals : content.parts->down_intervals;
+      if (intervals.empty()) continue;
+      addColumn(std::string(name) + "_lower", "1", [&](uint32_t id) { return intervals[id].lower; });
+      addColumn(std::string(name) + "_upper", "1", [&](uint32_t id) { return intervals[id].upper; });
     }
   if (content.has_environment_alone) return;
   addColumn("row_sum", "1", [&](uint32_t id) { return form_factors.rowSums()[id].value; });

@@ -57,6 +57,11 @@ void writeRowObjects(const OutputContent& content, std::ostream& out) {
            {std::pair("up", content.parts->up[id]), std::pair("down", content.parts->down[id])})
         fmt::print(out, ", \"environment_{0}\": {1}, \"environment_{0}_standard_error\": {2}", name,
                    numberOf(part.value), numberOf(part.standard_error));
+    if (content.parts && ids.isRequested(id) && !content.parts->up_intervals.empty())
+      for (const auto& [name, interval] :
+           {std::pair("up", content.parts->up_intervals[id]), std::pair("down", content.parts->down_intervals[id])})
+        fmt::print(out, ", \"environment_{0}_lower\": {1}, \"environment_{0}_upper\": {2}", name, interval.lower,
+                   interval.upper);
     if (!ids.isRequested(id)) out << ", \"is_requested\": false";
     out << "}";
     ++id;

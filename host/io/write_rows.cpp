@@ -42,6 +42,8 @@ void writeRows(const OutputContent& content, std::ostream& out) {
   if (content.dropped) out << ",dropped,dropped_standard_error";
   if (content.parts)
     out << ",environment_up,environment_up_standard_error,environment_down,environment_down_standard_error";
+  if (content.parts && !content.parts->up_intervals.empty())
+    out << ",environment_up_lower,environment_up_upper,environment_down_lower,environment_down_upper";
   out << '\n';
   const std::vector<RowFigures> figures = figuresOf(content);
   const std::vector<uint32_t> rows = ids.rows();
@@ -68,6 +70,11 @@ void writeRows(const OutputContent& content, std::ostream& out) {
     if (content.parts)
       for (const std::vector<Measured>* part : {&content.parts->up, &content.parts->down})
         print(is_shown ? (*part)[id] : Measured{});
+    if (content.parts && !content.parts->up_intervals.empty())
+      for (const std::vector<Interval>* intervals : {&content.parts->up_intervals, &content.parts->down_intervals}) {
+        const Interval interval = is_shown ? (*intervals)[id] : Interval{};
+        fmt::print(out, ",{},{}", interval.lower, interval.upper);
+      }
     out << '\n';
     if (!is_empty) ++id;
   }

@@ -31,6 +31,15 @@ struct EnvironmentParts {
   Ids ids;                         // of the rows
   std::vector<Measured> up, down;  // form factors, one for each row
   std::vector<Measured> all;       // up + down
+  // Intervals of up and down, from splitEnvironment() with form factors that have intervals; else empty. They hold
+  // where those of the form factors do.
+  std::vector<Interval> up_intervals, down_intervals;
+  // An Extent is what a row's intervals need to know of it.
+  struct Extent {
+    double up = 0;                   // form factor to the part above with nothing in the way
+    double lowest = 0, highest = 0;  // of the row's points along the direction up, unit-ball units
+  };
+  std::vector<Extent> extents;  // one for each row
   // The share of `up` in a row's environment, up / all; 1/2 +- 1/2 where no line left the row.
   std::vector<Measured> up_share;
   // Errors of different rows are correlated, for all rows have their directions in common. Entry [r][i] is the
@@ -57,9 +66,9 @@ EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest
 
 // Splits each row's form factor to the environment, which another method has computed, by the measured shares. Then up
 // + down = all is that form factor.
-//   up_i = F_i,environment up_share_i
+//   up_i = F_i,environment up_share_i, moved into its interval where there is one (docs/method.md, section 14)
 //   In: form_factors: of the rows of `parts`; parts: of the same scene
-//   Out: parts with other up, down, all and largest_standard_error
+//   Out: parts with other up, down, all, largest_standard_error and intervals
 //   Error: that of the form factor and that of the share, as independent ones. Tests: tests/unit/environment_test.cpp.
 //   Throws: Error bad_usage where rows differ in number.    Cost: O(rows log nonzeros).
 EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentParts parts);

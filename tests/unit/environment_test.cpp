@@ -93,6 +93,39 @@ TEST(Environment, AddsUpToThatOfAllFormFactors) {
   EXPECT_LE(squares / parts.ids.count(), 2.8);
 }
 
+// A guarantee gives intervals to the parts above and below the horizon, too. They hold a fine measurement of the same
+// parts, within 6 of its standard errors: a false alarm once in 1e8 rows.
+TEST(Environment, PartsOfAGuaranteeHaveIntervals) {
+  const Scene scene = buildScene(boxAndPlate());
+  const Result all = computeFormFactors(scene, {.goal = EpsilonDelta{.epsilon = 1e-2, .rows = true}});
+  const EnvironmentParts truth = measureEnvironment(scene, {.tolerance = 2e-4}),
+                         parts = splitEnvironment(all.form_factors, measureEnvironment(scene, {.tolerance = 1e-2}));
+  ASSERT_EQ(parts.up_intervals.size(), parts.ids.count());
+  EXPECT_TRUE(truth.up_intervals.empty());
+  const auto isInside = [](const Interval& interval, const Measured& part) {
+    return part.value >= interval.lower - 6 * part.standard_error &&
+           part.value <= interval.upper + 6 * part.standard_error;
+  };
+  bool may_fail = false;
+  for (uint32_t i = 0; i < parts.ids.count(); ++i) {
+    SCOPED_TRACE(parts.ids.names[i]);
+    for (const auto& [interval, part, fine] : {std::tuple(parts.up_intervals[i], parts.up[i], truth.up[i]),
+                                               std::tuple(parts.down_intervals[i], parts.down[i], truth.down[i])}) {
+      EXPECT_TRUE(isInside(interval, fine)) << fine.value << " in " << interval.lower << " to " << interval.upper;
+      EXPECT_GE(part.value, interval.lower);
+      EXPECT_LE(part.value, interval.upper);
+      // Negative control: a part that is off by half a row's radiation is outside.
+      may_fail |= !isInside(interval, {fine.value + 0.5, fine.standard_error});
+    }
+  }
+  EXPECT_TRUE(may_fail);
+  // What is level sees one side of the horizon alone, so that its part is as narrow as the environment.
+  const Interval floor = all.form_factors.interval(0, kEnvironment);
+  EXPECT_NEAR(parts.up_intervals[0].lower, floor.lower, 2e-6);
+  EXPECT_NEAR(parts.up_intervals[0].upper, floor.upper, 2e-6);
+  EXPECT_LE(parts.down_intervals[0].upper, 2e-6);
+}
+
 TEST(Environment, ThreadsDoNotMatterAndTheSeedDoes) {
   const Scene scene = buildScene(ts::triangleSoup(10, 0.5, 3));
   const auto upOf = [&](uint64_t seed, uint32_t threads) {
