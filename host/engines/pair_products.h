@@ -45,7 +45,8 @@ class PairProducts {
   // Adds the pairs whose cells are still on their way from memory.
   void settle();
 
-  // Returns a sum, and what a row's lines met outside of all pairs.    In: after settle()
+  // These two return a row's product in one column, and the lines of a row that belong to no pair. Both need settle()
+  // before them.
   WideInteger sum(size_t row, size_t column) const { return cells_[row * columns_ + column].sum; }
   const Outside& outside(size_t row) const { return outside_[row]; }
   uint64_t sizeBytes() const { return cells_.capacity() * sizeof(Cell) + outside_.capacity() * sizeof(Outside); }

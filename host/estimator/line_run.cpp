@@ -84,8 +84,9 @@ std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, c
     if (sum == of_entries.end()) return allowedBy(options, pair.exchange, area) / errors;
     return allowedBy(options, sum->second.exchange, area) / errors * std::sqrt(partOf(pair) / sum->second.parts);
   };
-  // The number of lines is proportional to the error to the power of -8/5, or of -1 where few lines must agree. No pair
-  // gets more than kMostLineBlocks, so that one relief of a far finer goal may not suffice.
+  // If the plan has too many lines, all allowed errors are multiplied by `relief`. The number of lines goes as the
+  // error to the power of -8/5, or of -1 for pairs whose lines all agree (kAgreeingLines). No pair gets more than
+  // kMostLineBlocks, so the first sum of lines may be too small, and a second relief may be needed.
   double relief = 1, power = 5.0 / 8;
   for (int plans = 0; plans < kMostPlans; ++plans, power = 1) {
     lines.plan(

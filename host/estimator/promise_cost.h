@@ -10,10 +10,11 @@
 
 namespace viewpeel {
 
-// A promise is preferred up to this multiple of the cost of an estimate,
+// A promise is preferred up to this multiple of the cost of an estimate.
 constexpr double kPromiseWorth = 2;
-// and where its whole run takes less than this, in seconds of one thread. A user notices no wait below a second (R. B.
-// Miller, Response time in man-computer conversational transactions, 1968), and costs are known to a factor of two.
+// A promise is also preferred where its whole run takes less than this, in seconds of one thread. A user notices no
+// wait below a second (R. B. Miller, Response time in man-computer conversational transactions, 1968), and costs are
+// known to a factor of two.
 constexpr double kPromiseSeconds = 0.5;
 
 // A SharedWork is what promise and estimate both do.

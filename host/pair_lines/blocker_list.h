@@ -30,7 +30,7 @@ class BlockerList {
     for (int axis = 0; axis < 3; ++axis)
       group.bounds[axis][at] = blocker.low[axis], group.bounds[3 + axis][at] = blocker.high[axis];
   }
-  // Copies one place of another list's group.
+  // Appends the blocker in one lane of another list's group.
   VIEWPEEL_INLINE void add(const Group& from, int lane) {
     Group& group = groups_[size_ / kBlockerLanes];
     const size_t at = size_++ % kBlockerLanes;

@@ -221,7 +221,8 @@ class PairFinder::Search {
     }
     const size_t before = found.between.size();
     if (is_contact) {
-      // Both patches lie in one plane: blockers of this plane with levels between them are in the way.
+      // Both patches lie in one plane. Of the blockers that cover the first patch, only the ones that lie in front of
+      // the second patch, too, are between the two: their level (levelOf) is between the patches' heights.
       for (const uint32_t k : finder_.covers_[p])
         if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
     } else {

@@ -5,6 +5,14 @@
 #include <viewpeel/balance.h>
 
 namespace viewpeel {
+namespace {
+
+// Returns whether an engine may go with pair lines by default.
+bool goesWithPairLines(EngineKind engine) {
+  return engine == EngineKind::automatic || engine == EngineKind::host || engine == EngineKind::compute;
+}
+
+}  // namespace
 
 bool mayUseUnoccluded(const Request& request) {
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
@@ -29,10 +37,9 @@ std::string optionAgainstPairLines(const Request& request) {
   const Amount amount = amountOf(request);
   if (amount.directions) return "--directions";
   if (amount.resolution) return "--resolution";
-  const bool has_lines = request.engine == EngineKind::automatic || request.engine == EngineKind::host ||
-                         request.engine == EngineKind::compute;
   const bool is_guarantee = std::holds_alternative<EpsilonDelta>(request.goal);
-  return request.engine == EngineKind::exact || (!has_lines && !is_guarantee) ? "--engine" : "";
+  const bool has_lines = is_guarantee ? request.engine != EngineKind::exact : goesWithPairLines(request.engine);
+  return has_lines ? "" : "--engine";
 }
 
 std::string optionAgainstPromise(const Request& request) {
@@ -48,9 +55,7 @@ std::string optionAgainstPromise(const Request& request) {
   if (request.sampling) return "--sampling";
   if (request.unoccluded) return "--unoccluded";
   if (request.pair_lines && !(*request.pair_lines && request.promise)) return "--pair-lines";
-  const bool has_lines = request.engine == EngineKind::automatic || request.engine == EngineKind::host ||
-                         request.engine == EngineKind::compute;
-  if (!has_lines) return "--engine";
+  if (!goesWithPairLines(request.engine)) return "--engine";
   return request.promise.value_or(true)
              ? ""
              : "--promise off, --replicates or --checkpoint";  // for the last two the program sets promise to false

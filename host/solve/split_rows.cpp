@@ -17,19 +17,19 @@ namespace {
 class DirectionalPolygons {
  public:
   DirectionalPolygons(const Scene& scene, const Ids& ids, const Enclosure& enclosure)
-      : ids_(ids), materials_(enclosure.materials), laws_(enclosure.laws) {
+      : of_polygon_(ids.of_polygon), materials_(enclosure.materials), laws_(enclosure.laws) {
     for (const DirectionalLaw& law : laws_) factors_.emplace_back(law);
     for (const Polygon& polygon : scene.polygons) normals_.push_back(frontNormal(scene, polygon));
   }
 
   double emissivity(uint32_t polygon, const glm::dvec3& u) const {
-    const Material& material = materials_[ids_.of_polygon[polygon]];
+    const Material& material = materials_[of_polygon_[polygon]];
     const double cosine = std::abs(glm::dot(normals_[polygon], u));
     return std::min(1.0, material.emissivity * factors_[*material.directional].at(cosine));
   }
 
  private:
-  Ids ids_;
+  std::vector<uint32_t> of_polygon_;
   std::vector<Material> materials_;
   std::vector<DirectionalLaw> laws_;
   std::vector<RelativeEmissivity> factors_;

@@ -20,7 +20,7 @@ struct SplitRows {
 };
 
 // Splits the directional rows of an enclosure.
-//   In: scene: kept by reference in `shares`; ids: of its faces or surfaces; enclosure: with a material for each
+//   In: scene: need not be kept; ids: of its faces or surfaces; enclosure: with a material for each
 //   Throws: Error bad_usage for a law that is not sound, or an emissivity above 1 at some angle.
 //   Cost: O(polygons).
 SplitRows splitRows(const Scene& scene, const Ids& ids, const Enclosure& enclosure);

@@ -15,7 +15,7 @@ namespace viewpeel {
 class ReplicateSums {
  public:
   __extension__ using Wide = unsigned __int128;
-  // A Sum holds the sum of a replicate's counts, and of their squares, over replicates.
+  // A Sum adds up, over replicates, the count of each replicate, and its square.
   struct Sum {
     Wide sum = 0, sum_of_squares = 0;
     void add(uint64_t count) {

@@ -64,7 +64,7 @@ struct RunSums {
   FormFactors betweenSurfaces() const;
 };
 
-// Makes the sums of a run without replicates.
+// Makes the sums of a run to which no replicate has been added yet.
 RunSums makeRunSums(const Scene& scene, const Ids& ids);
 
 // Returns the replicates that `a` and `b` share, of the first range of `b` that shares any; an empty range where none

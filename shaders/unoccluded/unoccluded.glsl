@@ -89,7 +89,7 @@ dvec4 depthsOf(ShapeData shape, ShapeData plane, dvec3 normal) {
 //   In: distance: from the shape's middle
 double depthRounding(ShapeData plane, double distance) { return kFrontRounding + plane.tilt * distance; }
 
-// Appends an entry to a list and returns its place.
+// Reserves the next place of a list, which the caller fills, and returns it. Counts the workgroups that the list needs.
 uint append(Work work) {
   uint at = atomicAdd(work.at.count, 1u);
   if (at % kUnoccludedGroupSize == 0u) atomicAdd(work.at.groups_x, 1u);

@@ -16,7 +16,8 @@
 namespace viewpeel {
 namespace {
 
-// Found holds the pairs of a scene, and tasks for each way to draw lines between them.
+// Found holds the pairs of a scene, and tasks for about `most_tasks` of them. A pair of one plane has a task by
+// contact, another pair one by points and one by angles. of_way counts the tasks of each way.
 struct Found {
   Scene scene;
   PairFinder finder;

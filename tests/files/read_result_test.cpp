@@ -120,7 +120,8 @@ TEST_F(ReadResult, BringsBackARun) {
   EXPECT_FALSE(stored.form_factors.ids().two_sided);
 }
 
-// A result that was read is written again, with the attributes that every file has, and read once more.
+// A result that was read can be written and read again. The attributes that the writer adds to every file are then
+// among the attributes that were read, which must do no harm.
 TEST_F(ReadResult, CanBeWrittenAgain) {
   std::vector<Interval> intervals;
   for (const FormFactors::Entry& entry : form_factors_.entries())

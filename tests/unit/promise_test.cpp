@@ -238,23 +238,19 @@ TEST(NoPairLines, AreExplained) {
       EXPECT_FALSE(run.plan().pair_lines || run.plan().line_guarantee) << why;
     }
   };
-  Request request = toleranceOf(1e-2);
-  request.pair_lines = false;
-  expectReason(request, "--pair-lines off asks for common directions");
-  request = toleranceOf(1e-2);
-  request.sampling = Sampling::lattice;
-  expectReason(request, "--sampling asks for common directions");
-  request = toleranceOf(1e-2);
-  request.sampler = Sampler::iid;
-  expectReason(request, "--sampler asks for common directions");
-  request = toleranceOf(1e-2);
-  request.unoccluded = false;
-  expectReason(request, "--unoccluded asks for common directions");
-  request = toleranceOf(1e-2);
-  request.amount.resolution = 128;
-  expectReason(request, "--resolution asks for common directions");
+  const std::pair<const char*, void (*)(Request&)> options[] = {
+      {"--pair-lines off", [](Request& request) { request.pair_lines = false; }},
+      {"--sampling", [](Request& request) { request.sampling = Sampling::lattice; }},
+      {"--sampler", [](Request& request) { request.sampler = Sampler::iid; }},
+      {"--unoccluded", [](Request& request) { request.unoccluded = false; }},
+      {"--resolution", [](Request& request) { request.amount.resolution = 128; }}};
+  for (const auto& [option, set] : options) {
+    Request request = toleranceOf(1e-2);
+    set(request);
+    expectReason(request, std::string(option) + " asks for common directions");
+  }
   expectReason(toleranceOf(0.05), "the tolerance is above 0.02");
-  request = toleranceOf(1e-2);
+  Request request = toleranceOf(1e-2);
   request.goal = FixedAmount{.directions = 16, .replicates = 2};
   expectReason(request, "");  // such a run has no goal that lines could serve
   for (const double tolerance : {1e-2, 1e-3}) {
