@@ -56,7 +56,7 @@ SplitRows splitRows(const Scene& scene, const Ids& ids, const Enclosure& enclosu
   PolygonShares shares{.two_sided = ids.two_sided};
   std::vector<PolygonShares::Rows> rows_of_id;
   for (uint32_t i = 0; i < ids.count(); ++i) {
-    PolygonShares::Rows& rows = rows_of_id.emplace_back(i, PolygonShares::kNone);
+    PolygonShares::Rows& rows = rows_of_id.emplace_back(PolygonShares::Rows{i, PolygonShares::kNone});
     const Material& material = enclosure.materials[i];
     if (!isDirectional(material, enclosure, ids.names[i])) continue;
     rows.second = split.ids.count();
