@@ -96,6 +96,8 @@ std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, c
     if (!(all > (plans ? kSlack : 1) * most_lines)) break;
     relief *= std::pow(all / most_lines, power);
   }
+  lines.cutAndPlan(
+      pairs, [&](const LinePair& pair) { return relief * allowedTo(pair); }, options.replicates);
   return pairs;
 }
 
@@ -250,7 +252,8 @@ bool LineRun::isDone() const {
 // Returns the number of further lines in the next replicate.
 double LineRun::furtherLines() const {
   double lines = 0;
-  for (size_t k = 0; k < further_.size(); ++k) lines += 16.0 * further_[k] * sums_.lines->pairs()[k].blocks;
+  for (size_t k = 0; k < further_.size(); ++k)
+    lines += further_[k] * sums_.lines->pairs()[k].linesIn(1) * sums_.lines->pairs()[k].period;
   return lines;
 }
 

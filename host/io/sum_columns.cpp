@@ -217,6 +217,8 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint32_t>(out, "lines/blocks", pairs, [](const LinePair& pair) { return pair.blocks; });
   writeColumn<uint32_t>(out, "lines/period", pairs, [](const LinePair& pair) { return pair.period; });
   writeColumn<uint8_t>(out, "lines/by_angles", pairs, [](const LinePair& pair) { return pair.by_angles; });
+  writeColumn<uint32_t>(out, "lines/cuts", pairs, [](const LinePair& pair) { return pair.cuts; });
+  writeColumn<uint32_t>(out, "lines/parts", pairs, [](const LinePair& pair) { return pair.parts; });
   const auto& of_pairs = lines.sums();
   writeColumn<uint64_t>(out, "lines/facing", of_pairs, [](const LineSum& sum) { return sum.facing; });
   writeColumn<uint64_t>(out, "lines/all", of_pairs, [](const LineSum& sum) { return sum.all; });
@@ -325,11 +327,13 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   readColumn<uint32_t>(in, "lines/blocks", pairs, [](LinePair& pair, uint32_t blocks) { pair.blocks = blocks; });
   readColumn<uint32_t>(in, "lines/period", pairs, [](LinePair& pair, uint32_t period) { pair.period = period; });
   readColumn<uint8_t>(in, "lines/by_angles", pairs, [](LinePair& pair, uint8_t is) { pair.by_angles = is; });
+  readColumn<uint32_t>(in, "lines/cuts", pairs, [](LinePair& pair, uint32_t cuts) { pair.cuts = cuts; });
+  readColumn<uint32_t>(in, "lines/parts", pairs, [](LinePair& pair, uint32_t parts) { pair.parts = parts; });
   requireOrder(in, "lines", pairs, 2 * face_ids.count());  // pairs with backs included
   const bool are_sound = std::ranges::all_of(pairs, [&](const LinePair& pair) {
     return pair.i < face_ids.count() && pair.i < pair.j && pair.j < kEnvironment && pair.period > 0 &&
            pair.exchange >= pair.clear && pair.clear >= 0 && std::isfinite(pair.exchange) && pair.error >= 0 &&
-           std::isfinite(pair.error) && pair.blocks <= kMostLineBlocks;
+           std::isfinite(pair.error) && pair.blocks <= kMostLineBlocks && pair.cuts <= kMostCuts;
   });
   if (!are_sound) in.refuse("its 'lines' are no pairs with lines");
   std::vector<LineSum> sums(pairs.size());

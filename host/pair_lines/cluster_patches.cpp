@@ -33,14 +33,18 @@ bool overlap(const A& a, uint32_t corners_a, const B& b, uint32_t corners_b) {
   return !isApart(a, corners_a, b, corners_b) && !isApart(b, corners_b, a, corners_a);
 }
 
+}  // namespace
+
+bool overlaps(const Blocker& blocker, const Patch& patch) {
+  return overlap(blocker, blocker.corner_count, patch, patch.corner_count);
+}
+
 bool covers(const Blocker& blocker, const Patch& patch) {
   for (uint32_t e = 0; e < blocker.corner_count; ++e)
     for (uint32_t c = 0; c < patch.corner_count; ++c)
       if (glm::dot(blocker.edge_normals[e], patch.corners[c]) - blocker.edge_offsets[e] > kTouchingShaft) return false;
   return true;
 }
-
-}  // namespace
 
 PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
     : patches_(makePatches(scene, ids, with_backs)), unoccluded_(scene) {
@@ -84,7 +88,7 @@ void PairFinder::findCovers() {
   for (uint32_t p = 0; p < patches_.size(); ++p)
     for (const uint32_t k : of_plane[patches_[p].plane]) {
       if (stepsInFront(blockers_[k], patches_[p]) <= 0) continue;
-      if (!overlap(blockers_[k], blockers_[k].corner_count, patches_[p], patches_[p].corner_count)) continue;
+      if (!overlaps(blockers_[k], patches_[p])) continue;
       covers_[p].push_back(k);
       if (covers(blockers_[k], patches_[p])) is_covered_[p] = true;
     }

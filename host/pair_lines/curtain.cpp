@@ -4,9 +4,24 @@
 
 #include <glm/glm.hpp>
 
-#include "pair_lines/shafts.h"
-
 namespace viewpeel {
+namespace {
+
+using glm::dvec3;
+
+constexpr int kMostCurtains = 4;  // most curtains tried for a pair
+
+// Returns whether the line from p to q meets a blocker.
+bool isOnLine(const Blocker& blocker, const dvec3& p, const dvec3& q) {
+  const double from = glm::dot(blocker.normal, p) - blocker.offset, to = glm::dot(blocker.normal, q) - blocker.offset;
+  if (!(from * to < 0)) return false;
+  const dvec3 x = glm::mix(p, q, from / (from - to));
+  for (uint32_t e = 0; e < blocker.corner_count; ++e)
+    if (glm::dot(blocker.edge_normals[e], x) > blocker.edge_offsets[e]) return false;
+  return true;
+}
+
+}  // namespace
 
 bool Curtain::isCrossedBy(const glm::dvec3& p, const glm::dvec3& q) const {
   bool is_odd = false;
@@ -24,6 +39,27 @@ bool Curtain::isCrossedBy(const glm::dvec3& p, const glm::dvec3& q) const {
     is_odd ^= beyond < 0;
   }
   return is_odd;
+}
+
+bool Curtain::hides(const Patch& a, const Patch& b, const PatchShaft& shaft, std::span<const uint32_t> between,
+                    Vectors vectors) {
+  if (between.size() < 2 || !shaft.areLinesBlocked(blockers_, between, vectors)) return false;
+  const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
+  const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
+  // One line between the patches has to cross the curtain. The line between their middles is tried first. A
+  // second one serves where the first meets an edge.
+  int tries = 0;
+  for (const double to_corner : {0.0, 0.4}) {
+    const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
+    if (glm::dot(a.normal, q) <= a.offset || glm::dot(b.normal, p) <= b.offset) continue;
+    for (const uint32_t first : between) {
+      if (tries == kMostCurtains) return false;
+      if (!isOnLine(blockers_[first], p, q)) continue;
+      if (grow(first, isOutside, isApart) && isCrossedBy(p, q)) return true;
+      ++tries;
+    }
+  }
+  return false;
 }
 
 }  // namespace viewpeel

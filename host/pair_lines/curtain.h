@@ -7,10 +7,12 @@
 #pragma once
 #include <algorithm>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "pair_lines/blocker_mesh.h"
 #include "pair_lines/blockers.h"
+#include "pair_lines/shafts.h"
 
 namespace viewpeel {
 
@@ -19,6 +21,12 @@ class Curtain {
   //   In: blockers, mesh: kept by reference
   Curtain(const std::vector<Blocker>& blockers, const BlockerMesh& mesh)
       : blockers_(blockers), mesh_(mesh), is_odd_(mesh.edgeCount()) {}
+
+  // Returns whether blockers that share edges hide two patches from each other.
+  //   In: shaft: of the two patches, after isHidden(); between: the blockers that it found
+  //   Cost: some 8 tests of lines against blockers, and O(edges) where all of these lines are blocked.
+  bool hides(const Patch& a, const Patch& b, const PatchShaft& shaft, std::span<const uint32_t> between,
+             Vectors vectors);
 
   // Adds neighbours to a first blocker until no line between the two ends meets the rim.
   //   In: is_outside(ends of an edge): whether no line between the two ends meets the edge; is_apart(blocker): whether

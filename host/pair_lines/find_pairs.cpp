@@ -7,7 +7,6 @@
 
 #include <glm/glm.hpp>
 
-#include "pair_lines/curtain.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -16,18 +15,7 @@ namespace {
 using glm::dvec3;
 
 constexpr size_t kTasks = 256;      // least number of tasks to share out to threads
-constexpr int kMostCurtains = 4;    // most curtains tried for a pair
 constexpr size_t kFewBlockers = 8;  // so few blockers are tested with each pair at once, without clusters
-
-// Returns whether the line from p to q meets a blocker.
-bool isOnLine(const Blocker& blocker, const dvec3& p, const dvec3& q) {
-  const double from = glm::dot(blocker.normal, p) - blocker.offset, to = glm::dot(blocker.normal, q) - blocker.offset;
-  if (!(from * to < 0)) return false;
-  const dvec3 x = glm::mix(p, q, from / (from - to));
-  for (uint32_t e = 0; e < blocker.corner_count; ++e)
-    if (glm::dot(blocker.edge_normals[e], x) > blocker.edge_offsets[e]) return false;
-  return true;
-}
 
 }  // namespace
 
@@ -188,27 +176,6 @@ class PairFinder::Search {
     return false;
   }
 
-  // Returns whether several blockers that share edges hide two patches from each other.
-  bool isHiddenByCurtain(const Patch& a, const Patch& b, const PatchShaft& shaft) {
-    if (between_.size() < 2 || !shaft.areLinesBlocked(finder_.blockers_, between_, vectors_)) return false;
-    const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
-    const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
-    // One line between the patches has to cross the curtain. The line between their middles is tried first. A
-    // second one serves where the first meets an edge.
-    int tries = 0;
-    for (const double to_corner : {0.0, 0.4}) {
-      const dvec3 p = glm::mix(a.middle, a.corners[0], to_corner), q = glm::mix(b.middle, b.corners[1], to_corner);
-      if (glm::dot(a.normal, q) <= a.offset || glm::dot(b.normal, p) <= b.offset) continue;
-      for (const uint32_t first : between_) {
-        if (tries == kMostCurtains) return false;
-        if (!isOnLine(finder_.blockers_[first], p, q)) continue;
-        if (curtain_.grow(first, isOutside, isApart) && curtain_.isCrossedBy(p, q)) return true;
-        ++tries;
-      }
-    }
-    return false;
-  }
-
   void findPair(uint32_t p, uint32_t q, const BlockerList& from) {
     const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
     if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
@@ -236,7 +203,7 @@ class PairFinder::Search {
         last_hider_ = between_.back();
         return;
       }
-      if (isHiddenByCurtain(a, b, shaft)) return;
+      if (curtain_.hides(a, b, shaft, between_, vectors_)) return;
       for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
       for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
       for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});

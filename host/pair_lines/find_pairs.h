@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "pair_lines/blocker_mesh.h"
+#include "pair_lines/curtain.h"
 #include "pair_lines/draw_lines.h"
 #include "pair_lines/shafts.h"
 #include "unoccluded/host_unoccluded.h"
@@ -49,6 +50,10 @@ inline int stepsInFront(const Blocker& blocker, const Patch& patch) {
   return (patch.along_plane_normal ? blocker.level : -blocker.level) - patch.height;
 }
 
+// Return whether a blocker of a patch's plane has more than an edge in common with the patch, and whether it covers it.
+bool overlaps(const Blocker& blocker, const Patch& patch);
+bool covers(const Blocker& blocker, const Patch& patch);
+
 class PairFinder {
  public:
   //   In: scene: kept by reference; with_backs: whether there are also patches for backs, on which leaking lines end
@@ -57,6 +62,12 @@ class PairFinder {
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
+  const BlockerMesh& mesh() const { return *mesh_; }
+  // Adds a part of a patch to patches() and returns its index. Later searches pass over it.
+  uint32_t add(const Patch& part) {
+    patches_.push_back(part);
+    return static_cast<uint32_t>(patches_.size() - 1);
+  }
   // Returns whether coincident polygons are without an order, so that the one in front depends on a line's direction
   // (Coincidences). Then it is not defined which blockers are between two polygons.
   bool hasUnordered() const { return has_unordered_; }

@@ -25,11 +25,15 @@ constexpr double kNear = 0.15;            // or where the gap is below this shar
 constexpr double kLeastNear = 1e-3;       // the form factor is above this,
 constexpr double kUneven = 0.2;           // and fewer than this share of lines by points would count in effect
 constexpr uint32_t kMostPeriod = 8;
+constexpr double kHasPlan = -1;  // in place of a goal, which is above 0: the pair keeps its plan
 
 bool areNear(const Patch& a, const Patch& b) {
   const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
   return glm::length(gap) < kNear * std::min(glm::length(a.high - a.low), glm::length(b.high - b.low));
 }
+
+// Returns a number of its own for each patch, the same for every order of patches.
+uint64_t numberOf(const Patch& patch) { return patch.side + (uint64_t(patch.cut - 1) << 32); }
 
 }  // namespace
 
@@ -124,8 +128,8 @@ std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t r
   std::array<uint32_t, 4> scrambles;
   for (uint32_t d = 0; d < 4; ++d) {
     Hash hash;
-    for (const uint64_t number : {seed_, uint64_t(finder_.patches()[part.a].side),
-                                  uint64_t(finder_.patches()[part.b].side), replicate, uint64_t(d)})
+    for (const uint64_t number :
+         {seed_, numberOf(finder_.patches()[part.a]), numberOf(finder_.patches()[part.b]), replicate, uint64_t(d)})
       hash.add(number);
     scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
   }
@@ -147,11 +151,17 @@ LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replica
           .end = blocks};
 }
 
+// Returns the variance of a part's visibility if its lines were independent.
+double chanceOf(const DrawnLines& lines) {
+  return lines.all > 0 ? varianceByChance(lines.facing / lines.all, lines.all * lines.all / lines.squares) : 0.25;
+}
+
 // Makes the count of a pair in one replicate from the lines of its parts. In: drawn_of(part): the lines of a part with
 // blockers
 template <class DrawnOf>
 LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const {
-  double facing = 0, all = 0, squares = 0, blockable = 0;
+  double facing = 0, all = 0, squares = 0, blockable = 0, spread = 0;
+  uint32_t parts = 0;
   for (uint32_t k = group.first; k < group.first + group.count; ++k)
     if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
   for (uint32_t k = group.first; k < group.first + group.count; ++k) {
@@ -159,6 +169,8 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
     const DrawnLines lines = drawn_of(k);
     const double weight = parts_.pairs[k].exchange / blockable;
     facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
+    spread += weight * weight * chanceOf(lines);
+    ++parts;
   }
   // Counts are integers: weights are scaled so that all lines together weigh kLineUnit on average, and rounded.
   const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
@@ -166,8 +178,14 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
   LineCount count{0, blocks, 0, 0, 0};
   count.facing = static_cast<uint32_t>(std::lround(facing * scale));
   count.all = static_cast<uint32_t>(std::lround(all * scale));
-  if (squares > 0)
-    count.effective = static_cast<uint32_t>(std::min(4e9, std::round(all * all / squares * kEffectiveUnit)));
+  if (!(squares > 0)) return count;
+  double effective = all * all / squares;
+  if (parts > 1) {
+    // Parts have strata of the pair's points: so many lines without strata would have the same variance.
+    const double by_chance = varianceByChance(facing / all, effective);
+    effective = std::max(0.0, by_chance * (effective + 1) / spread - 1);
+  }
+  count.effective = static_cast<uint32_t>(std::min(4e9, std::round(effective * kEffectiveUnit)));
   return count;
 }
 
@@ -261,7 +279,7 @@ UniformLines PairLines::uniformLinesOf(const PatchPair& part) const {
 uint64_t PairLines::streamOf(const PatchPair& part, uint64_t series) const {
   Hash stream;
   for (const uint64_t number :
-       {seed_, uint64_t(finder_.patches()[part.a].side), uint64_t(finder_.patches()[part.b].side), series})
+       {seed_, numberOf(finder_.patches()[part.a]), numberOf(finder_.patches()[part.b]), series})
     stream.add(number);
   return stream.value();
 }
@@ -327,6 +345,16 @@ void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) c
       threads_, count, chunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
 }
 
+// Returns the largest part of a pair, as a share of all parts that something may block.
+double PairLines::largestShareOf(const Group& group) const {
+  double largest = 0, all = 0;
+  for (uint32_t part = group.first; part < group.first + group.count; ++part)
+    if (parts_.pairs[part].blocker_count > 0) {
+      largest = std::max(largest, parts_.pairs[part].exchange), all += parts_.pairs[part].exchange;
+    }
+  return all > 0 ? largest / all : 1;
+}
+
 bool PairLines::isPartial(const Group& group) const {
   for (uint32_t part = group.first; part < group.first + group.count; ++part)
     if (parts_.pairs[part].blocker_count > 0) return true;
@@ -339,13 +367,15 @@ bool PairLines::isPartial(const Group& group) const {
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;
   if (goal >= kCertainError) return kPilotLines;
+  const double agreeing = kAgreeingLines * largestShareOf(group) / goal;
   LineSums::PairSum sum;
   const auto pilot = [&](uint32_t first, uint32_t end) {
     for (uint32_t p = first; p < end; ++p)
       LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, pair.blocks, vectors));
   };
   const auto takeBetterWay = [&](uint32_t pilots) {
-    if (pair.by_angles || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines) return;
+    if (pair.by_angles || group.is_cut || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines)
+      return;
     pair.by_angles = true;
     sum = {};
     pilot(0, pilots);
@@ -356,24 +386,40 @@ double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vect
   pilot(0, 1);
   takeBetterWay(1);
   const double need = needOf(kPilotLines);
-  if (need <= kLinePilots * kPilotLines && sum.all > 0) return std::max(need, kAgreeingLines / goal);
+  if (need <= kLinePilots * kPilotLines && sum.all > 0) return std::max(need, agreeing);
   pilot(1, kLinePilots);
   takeBetterWay(kLinePilots);
-  return std::max(needOf(kLinePilots * kPilotLines), kAgreeingLines / goal);
+  return std::max(needOf(kLinePilots * kPilotLines), agreeing);
 }
 
 void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
                      uint32_t replicates) {
   std::vector<double> goals(pairs.size());
   forEach(pairs.size(), [&](size_t k) { goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear); });
+  planGoals(pairs, goals, replicates);
+}
+
+void PairLines::cutAndPlan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
+                           uint32_t replicates) {
+  if (!chooseCuts(pairs, replicates)) return;
+  cut(pairs);
+  std::vector<double> goals(pairs.size(), kHasPlan);
+  for (size_t k = 0; k < pairs.size(); ++k)
+    if (groups_[k].is_cut) goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear);
+  planGoals(pairs, goals, replicates);
+}
+
+void PairLines::planGoals(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const {
   crew_ ? planOnRanks(pairs, goals, replicates) : planHere(pairs, 0, goals, replicates);
 }
 
-// Plans some of the pairs.    In: pairs: from number `first` on; goals: standard error of each one's visibility
+// Plans some of the pairs.    In: pairs: from number `first` on; goals: standard error of each one's visibility, or
+// kHasPlan where a pair keeps its plan
 void PairLines::planHere(std::span<LinePair> pairs, size_t first, std::span<const double> goals,
                          uint32_t replicates) const {
   const Vectors vectors = widestVectors();
   forEach(pairs.size(), [&](size_t k) {
+    if (goals[k] == kHasPlan) return;
     LinePair& pair = pairs[k];
     const Group& group = groups_[first + k];
     pair.blocks = isPartial(group), pair.period = 1;

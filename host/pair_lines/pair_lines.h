@@ -9,8 +9,8 @@
 #include <span>
 #include <vector>
 
+#include "pair_lines/cut_pairs.h"
 #include "pair_lines/device_lines.h"
-#include "pair_lines/find_pairs.h"
 #include "pair_lines/uniform_lines.h"
 #include "ranks/crew.h"
 #include "sums/line_sums.h"
@@ -92,6 +92,15 @@ class PairLines {
   //   Error: most pairs keep to the standard error; pilots are rough, so that some exceed it.
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
+  // Cuts pairs that need many lines, and plans the lines of their parts.
+  //   In: pairs: with their plan; allowed, replicates: as for plan()    Out: pairs: as from cut()
+  void cutAndPlan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
+                  uint32_t replicates);
+  // Cuts each pair as often as its LinePair::cuts says, unless it has been cut.
+  //   In, out: pairs: all that find() found. A pair that is cut gets `exchange`, `clear`, `error` and `parts` of its
+  //   parts that are not hidden    Cost: some 10 us a cut.
+  void cut(std::span<LinePair> pairs) { crew_ ? cutOnRanks(pairs) : cutHere(pairs); }
+
   // Draws the lines of one replicate.
   //   In: pairs: all that find() found, with their plan; times: by pair, how many times it draws its planned lines in
   //   this replicate. Where `times` is empty, a pair draws them once in pair.period replicates
@@ -125,6 +134,7 @@ class PairLines {
  private:
   struct Group {
     uint32_t first, count;  // of parts_
+    bool is_cut = false;
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks, Vectors vectors) const;
   UniformLines uniformLinesOf(const PatchPair& part) const;
@@ -137,6 +147,7 @@ class PairLines {
   void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate);
   bool isPartial(const Group& group) const;
   double costOf(const Group& group) const;
+  double largestShareOf(const Group& group) const;
   std::vector<LinePair> findHere(double least_form_factor);
   void planHere(std::span<LinePair> pairs, size_t first, std::span<const double> goals, uint32_t replicates) const;
   LineCounts countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
@@ -144,15 +155,22 @@ class PairLines {
   void drawUniformHere(std::span<UniformTask> tasks) const;
   void drawStrataHere(std::span<StrataTask> tasks) const;
   // These share the work of find, plan, count and draw with the other ranks (ranked_lines.cpp).
+  void cutOnRanks(std::span<LinePair> pairs);
   std::vector<LinePair> findOnRanks(double least_form_factor);
   void planOnRanks(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   LineCounts countOnRanks(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times);
   void drawUniformOnRanks(std::span<UniformTask> tasks) const;
   void drawStrataOnRanks(std::span<StrataTask> tasks) const;
   uint64_t hashOfParts() const;
+  void requireSameParts(const std::vector<std::string>& answers) const;
   friend class LineServer;
   void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
+  bool chooseCuts(std::span<LinePair> pairs, uint32_t replicates) const;
+  void cutHere(std::span<LinePair> pairs);
+  std::vector<CutPart> blockedPartsOf(const Group& group) const;
+  void replaceParts(LinePair& pair, Group& group, std::span<const PatchPair> parts, std::span<const CutPart> blockers);
+  void planGoals(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 

@@ -1,5 +1,6 @@
 // A patch is one side of a polygon, on which lines start or end.
 #pragma once
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct Patch {
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
   bool is_part = false;  // whether its row has more patches
+  // 1: the whole side of the polygon. The halves of a patch with cut c have 2 c and 2 c + 1.
+  uint32_t cut = 1;
   uint32_t corner_count = 0;
   glm::dvec3 corners[4]{};       // a triangle has its last corner twice
   glm::dvec3 normal{0};          // of the side, unit length
@@ -28,6 +31,13 @@ struct Patch {
   glm::dvec3 middle{0}, low{0}, high{0};
   double area = 0;
 };
+
+// Cuts a patch in two, across its longer way: a quadrilateral between the middles of its two longer opposite sides, a
+// triangle from the middle of its longest side to the opposite corner.
+std::array<Patch, 2> halvesOf(const Patch& patch);
+// Returns the length that halvesOf() halves: the mean of a quadrilateral's two longer opposite sides, or a triangle's
+// longest side.
+double lengthOf(const Patch& patch);
 
 // Makes patches of the sides that emit or receive.
 //   In: ids: rows and roles of polygons; with_backs: whether there are patches for backs, on which lines may end

@@ -12,15 +12,18 @@ namespace {
 
 // A PairPlan is the part of a LinePair that a plan sets. Ranks exchange it in place of whole pairs.
 struct PairPlan {
-  uint32_t blocks;
+  uint32_t blocks, cuts, parts;
   uint16_t period;
   bool by_angles;
 };
 
-PairPlan planOf(const LinePair& pair) { return {pair.blocks, static_cast<uint16_t>(pair.period), pair.by_angles}; }
+PairPlan planOf(const LinePair& pair) {
+  return {pair.blocks, pair.cuts, pair.parts, static_cast<uint16_t>(pair.period), pair.by_angles};
+}
 
 void adopt(const PairPlan& plan, LinePair& pair) {
-  pair.blocks = plan.blocks, pair.period = plan.period, pair.by_angles = plan.by_angles;
+  pair.blocks = plan.blocks, pair.cuts = plan.cuts, pair.parts = plan.parts;
+  pair.period = plan.period, pair.by_angles = plan.by_angles;
 }
 
 std::vector<PairPlan> plansOf(std::span<const LinePair> pairs) {
@@ -77,13 +80,24 @@ std::vector<LinePair> PairLines::findOnRanks(double least_form_factor) {
   std::vector<LinePair> pairs;
   const std::vector<std::string> answers =
       crew_->share([&](uint32_t) { return question; }, [&] { pairs = findHere(least_form_factor); });
+  requireSameParts(answers);
+  pairs_sent_ = 0;
+  return pairs;
+}
+
+// Throws unless the other ranks have answered with the hash of rank 0's parts.
+void PairLines::requireSameParts(const std::vector<std::string>& answers) const {
+  const uint64_t hash = hashOfParts();
   for (uint32_t rank = 1; rank < crew_->size(); ++rank)
-    if (MessageReader(answers[rank - 1]).get<uint64_t>() != hashOfParts())
+    if (MessageReader(answers[rank - 1]).get<uint64_t>() != hash)
       throw Error(ErrorCode::limit, fmt::format("rank {} has found other pairs than rank 0; take machines of one kind, "
                                                 "or say --pair-lines off",
                                                 rank));
-  pairs_sent_ = 0;
-  return pairs;
+}
+
+void PairLines::cutOnRanks(std::span<LinePair> pairs) {
+  const std::string plans = MessageWriter().put(RankWork::take_pairs).putAll(plansOf(pairs)).take();
+  requireSameParts(crew_->share([&](uint32_t) { return plans; }, [&] { cutHere(pairs); }));
 }
 
 void PairLines::planOnRanks(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const {
@@ -108,13 +122,14 @@ LineCounts PairLines::countOnRanks(std::span<const LinePair> pairs, uint64_t rep
   Hash hash;
   std::vector<double> costs(pairs.size(), 0);
   for (size_t k = 0; k < pairs.size(); ++k) {
-    hash.add(pairs[k].blocks), hash.add(pairs[k].period), hash.add(uint32_t(pairs[k].by_angles));
+    hash.add(pairs[k].blocks), hash.add(pairs[k].cuts), hash.add(pairs[k].period),
+        hash.add(uint32_t(pairs[k].by_angles));
     if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k])
       costs[k] = costOf(groups_[k]) * double(pairs[k].blocks) * (times.empty() ? 1 : times[k]);
   }
   if (std::exchange(pairs_sent_, hash.value()) != hash.value()) {
     const std::string plans = MessageWriter().put(RankWork::take_pairs).putAll(plansOf(pairs)).take();
-    crew_->share([&](uint32_t) { return plans; }, [] {});
+    requireSameParts(crew_->share([&](uint32_t) { return plans; }, [] {}));
   }
   const std::vector<size_t> cuts = crew_->cut(costs, device_ == nullptr);
   LineCounts counts;
@@ -187,7 +202,8 @@ std::string LineServer::plan(MessageReader& in) {
 std::string LineServer::takePairs(MessageReader& in) {
   const std::vector<PairPlan> plans = in.getAll<PairPlan>();
   for (size_t k = 0; k < plans.size(); ++k) adopt(plans[k], pairs_.at(k));
-  return {};
+  lines_->cutHere(pairs_);
+  return MessageWriter().put(lines_->hashOfParts()).take();
 }
 
 std::string LineServer::count(MessageReader& in) {

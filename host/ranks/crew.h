@@ -23,7 +23,7 @@ enum class RankWork : uint8_t {
   count_blocks,  // number, directions, directions of a block -> counts of each block
   find_pairs,    // ids, seed, ... -> hash of the pairs
   plan_lines,    // a range of pairs, goals -> plans of their lines
-  take_pairs,    // plans of all pairs -> nothing
+  take_pairs,    // plans of all pairs -> hash of the pairs' parts, after they are cut
   count_lines,   // replicate, a range of pairs -> counts
   draw_uniform,  // tasks -> the same, done
   draw_strata,   // tasks -> the same, done

@@ -204,6 +204,7 @@ void FormFactorRun::State::planEstimateLines() {
   if (resumed) {
     requireSamePairs(line_pairs, resumed->sums.lines->pairs());
     line_pairs = resumed->sums.lines->pairs();
+    pair_lines->cut(line_pairs);
   } else {
     // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),

@@ -70,8 +70,14 @@ void LineSums::add(const LineSums& others) {
 
 uint64_t LineSums::lineCount() const {
   uint64_t lines = 0;
-  for (const PairSum& sum : sums_) lines += 16 * sum.blocks;
+  for (size_t k = 0; k < sums_.size(); ++k) lines += 16 * sums_[k].blocks * pairs_[k].parts;
   return lines;
+}
+
+double varianceByChance(double visibility, double lines) {
+  // Half a facing and half a blocked line are added: however many lines agree, others may not.
+  const double likely = (lines * visibility + 0.5) / (lines + 1);
+  return likely * (1 - likely) / (lines + 1);
 }
 
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
@@ -79,9 +85,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
   const double facing = double(sum.facing), all = double(sum.all), lines = double(sum.effective) / kEffectiveUnit;
   Visibility found;
   found.value = facing / all;
-  // Half a facing and half a blocked line are added, eq. (46): however many lines agree, others may not.
-  const double likely = (lines * found.value + 0.5) / (lines + 1);
-  const double by_chance = likely * (1 - likely) / (lines + 1), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
+  const double by_chance = varianceByChance(found.value, lines), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
   // Where the lines have less weight than expected, a few heavy lines are missing, which may be blocked or not.
   const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
   const double unknown = half_a_line + 0.25 * missing * missing;
@@ -114,7 +118,7 @@ Measured LineSums::exchangeArea(size_t k) const {
 
 bool LineSums::goesWith(const LineSums& others) const {
   const auto linesOf = [](const LinePair& pair) {
-    return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles);
+    return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles, pair.cuts);
   };
   return by_ == others.by_ && least_form_factor_ == others.least_form_factor_ &&
          std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);

@@ -24,11 +24,13 @@ struct LinePair {
   uint32_t blocks = 0;     // blocks of 16 lines in each replicate in which the pair has lines; 0 where it needs none
   uint32_t period = 1;     // the pair has lines in one of this many replicates
   bool by_angles = false;  // whether lines are drawn by angles, not by points (draw_lines.h)
+  uint32_t cuts = 0;       // how many times the pair's parts were cut in two (cut_pairs.h)
+  uint32_t parts = 1;      // number of parts that have `blocks` blocks each
 
   bool operator==(const LinePair&) const = default;
 
   // Returns how many lines are planned for this number of replicates, on average.
-  double linesIn(uint32_t replicates) const { return 16.0 * blocks * replicates / period; }
+  double linesIn(uint32_t replicates) const { return 16.0 * blocks * parts * replicates / period; }
   // Returns whether the pair has lines in the replicate of this number. Different pairs have lines in different
   // replicates.
   bool hasLines(uint64_t replicate) const {
@@ -43,11 +45,13 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
 // A LineCount holds the sums of a pair's lines in one replicate.
 struct LineCount {
   uint32_t pair;    // index of the pair
-  uint32_t blocks;  // blocks of 16 lines that were drawn
+  uint32_t blocks;  // blocks of 16 lines that each part drew
   // These are the weights of the lines that nothing blocks, and of all lines. The unit is such that `all` is kLineUnit
   // on average for LinePair::blocks blocks.
   uint32_t facing, all;
-  uint32_t effective;  // number of lines of equal weight that carry as much information, in units of 1/256
+  // This is the number of independent lines of equal weight that carry as much information, eq. (48a) of
+  // docs/method.md, in units of 1/256.
+  uint32_t effective;
 
   bool operator==(const LineCount&) const = default;
 };
@@ -57,6 +61,7 @@ constexpr double kLineUnit = 1 << 20;          // expectation of LineCount::all 
 constexpr double kMostLineUnits = 1u << 30;    // weights of a replicate are scaled down where they exceed this number
 constexpr double kEffectiveUnit = 256;         // LineCount::effective is in units of 1 / 256 lines
 constexpr uint32_t kMostLineBlocks = 1 << 16;  // most blocks of a pair in one replicate
+constexpr uint32_t kMostCuts = 200'000;        // most cuts of all pairs; each takes some 1.5 kB
 
 class LineSums {
  public:
@@ -135,6 +140,8 @@ void addSameKeys(std::vector<FormFactors::Entry>& entries);
 struct Visibility {
   double value = 0.5, variance = 0.25;
 };
+// Returns the variance of a visibility from so many independent lines of equal weight, eq. (46).
+double varianceByChance(double visibility, double lines);
 // Returns the visibility of a pair, eq. (44), and its variance, eq. (47).    In: planned_blocks: LinePair::blocks
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks);
 

@@ -61,6 +61,8 @@ void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   writeColumn(out, bytes, "lines/blocks", U32{2, 1});
   writeColumn(out, bytes, "lines/period", U32{1, 2});
   writeColumn(out, bytes, "lines/by_angles", U8{0, 1});
+  writeColumn(out, bytes, "lines/cuts", U32{5, 0});
+  writeColumn(out, bytes, "lines/parts", U32{4, 1});
   for (const char* sum : {"facing", "all", "effective", "facing_squares", "products", "all_squares", "drawn_blocks"})
     writeColumn(out, bytes, std::string("lines/") + sum, U64{7, 7});
   writeColumn(out, bytes, "lines/replicates", U32{2, 1});
@@ -113,7 +115,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const fuzz::NamedFile file("checkpoint");
   fuzz::Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{8});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{9});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});

@@ -71,13 +71,13 @@ struct Case {
 
 std::vector<Case> cases() {
   Request fixed = onHost(FixedAmount{.directions = 30, .replicates = 3}), windows = fixed, unoccluded = fixed,
-          lines = onHost(Tolerance{5e-3}), promise = onHost(Tolerance{1e-2}), guarantee = onHost(EpsilonDelta{2e-2}),
-          strata = onHost(EpsilonDelta{5e-4}),
+          lines = onHost(Tolerance{5e-3}), cut = onHost(Tolerance{5e-4}), promise = onHost(Tolerance{1e-2}),
+          guarantee = onHost(EpsilonDelta{2e-2}), strata = onHost(EpsilonDelta{5e-4}),
           // A plan of blocks depends on measured times, unless the request has both of its figures.
       blocks = onHost(EpsilonDelta{.epsilon = 0.2, .delta = 0.1, .range = 4, .block_directions = 40});
   windows.goal = FixedAmount{.directions = 30, .replicates = 3, .resolution = 64, .finest = 256};
   unoccluded.unoccluded = true;
-  lines.promise = false;
+  lines.promise = cut.promise = false;
   promise.promise = true;
   guarantee.by = By::surface;
   blocks.pair_lines = false;
@@ -86,6 +86,7 @@ std::vector<Case> cases() {
           {"windows", windows},
           {"visibilities", unoccluded},
           {"pair lines to a tolerance", lines},
+          {"lines of pairs that are cut", cut},
           {"a promise", promise},
           {"a guarantee by pair lines", guarantee},
           {"a guarantee by lines in strata", strata},
