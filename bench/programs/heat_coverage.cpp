@@ -1,5 +1,6 @@
 // This bench tests standard errors of heat flows and temperatures. Over many seeds it counts how often the 95 %
-// interval, value +- t_0.975(R - 1) standard errors, holds the true value. It prints CSV on stdout, with a row for each
+// interval, value +- t_0.975 standard errors, holds the true value, with t of R - 1 degrees of freedom, or R + 4 with
+// pair lines. It prints CSV on stdout, with a row for each
 // scene, way to count, and kind of value.
 //   heat_coverage [--scene sheet|office]... [--seeds K]
 //
@@ -81,8 +82,9 @@ void run(const std::string& name, const HeatCase& of, uint32_t seeds) {
     for (uint32_t seed = 1; seed <= seeds; ++seed) {
       const SceneHeat found = solveScene(of.scene, of.materials, requestOf(way, of.by, seed));
       replicates += double(found.form_factors.replicates) / seeds;
-      const double quantile =
-          boost::math::quantile(boost::math::students_t(double(found.form_factors.replicates - 1)), 0.975);
+      // A pair's variance has 5 more degrees of freedom with pair lines, eq. (61); sums have at least as many.
+      const double degrees = double(found.form_factors.replicates - 1) + (way == "pair lines" ? 5 : 0);
+      const double quantile = boost::math::quantile(boost::math::students_t(degrees), 0.975);
       std::map<std::string, std::pair<double, double>> of_seed;
       const auto compare = [&](const std::string& kind, const Measured& answer, const Measured& truth) {
         if (!(answer.standard_error > 0)) return;

@@ -25,7 +25,7 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
   };
   const auto lostBy = [&](uint32_t row, double error) { return closed.environment_is_rest[row] ? -error : 0.0; };
   for (const FormFactors::Entry& entry : measured.entries()) {
-    const double error = entry.exchange_area.standard_error;
+    const double error = entry.errorInSums();
     const auto [i, j] = std::pair(entry.i, entry.j);
     if (!(error > 0) || j == kLeak) continue;
     if (j == kEnvironment) {

@@ -1,6 +1,8 @@
 #include "sums/line_sums.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 #include <tuple>
 #include <utility>
@@ -10,9 +12,6 @@
 namespace viewpeel {
 namespace {
 
-// N independent lines give a variance; N scrambled Sobol' points give this factor times (N / 16)^-1/4 of it. The factor
-// was measured: docs/accuracy.md.
-constexpr double kEvenness = 1;
 // The variance expected by chance in eq. (47) has this many degrees of freedom; the replicates' degrees are added.
 constexpr double kChanceDegrees = 5;
 
@@ -80,29 +79,33 @@ double varianceByChance(double visibility, double lines) {
   return likely * (1 - likely) / (lines + 1);
 }
 
-Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
-  if (sum.all == 0) return {};
-  const double facing = double(sum.facing), all = double(sum.all), lines = double(sum.effective) / kEffectiveUnit;
-  Visibility found;
-  found.value = facing / all;
-  const double by_chance = varianceByChance(found.value, lines), half_a_line = 0.25 / ((lines + 1) * (lines + 1));
-  // Where the lines have less weight than expected, a few heavy lines are missing, which may be blocked or not.
-  const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
-  const double unknown = half_a_line + 0.25 * missing * missing;
+LineVariances variancesOf(const LineSums::PairSum& sum) {
+  const double facing = double(sum.facing), all = double(sum.all), visibility = facing / all;
+  LineVariances found{.lines = double(sum.effective) / kEffectiveUnit};
+  found.by_chance = varianceByChance(visibility, found.lines);
+  found.expected = std::pow(double(sum.blocks), -0.25) * found.by_chance;
   // Replicates of different sizes count as this number of replicates of one size.
   const double sizes = all * all / (256 * double(sum.all_squares)),
                replicates = std::min(double(sum.replicates), sizes);
-  if (!(replicates > 1)) {
-    found.variance = by_chance + unknown;
-    return found;
-  }
-  const double residuals = double(sum.facing_squares) - 2 * found.value * double(sum.products) +
-                           found.value * found.value * double(sum.all_squares);
-  const double of_replicates = std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
-  const double expected = kEvenness * std::pow(double(sum.blocks), -0.25) * by_chance;
-  found.variance =
-      (kChanceDegrees * expected + (replicates - 1) * of_replicates) / (kChanceDegrees + replicates - 1) + unknown;
+  if (!(replicates > 1)) return found;
+  const double residuals = double(sum.facing_squares) - 2 * visibility * double(sum.products) +
+                           visibility * visibility * double(sum.all_squares);
+  found.of_replicates = std::max(0.0, residuals) * 256 * replicates / (replicates - 1) / (all * all);
+  found.degrees_of_freedom = replicates - 1;
   return found;
+}
+
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
+  if (sum.all == 0) return {};
+  const LineVariances of = variancesOf(sum);
+  const double all = double(sum.all), half_a_line = 0.25 / ((of.lines + 1) * (of.lines + 1));
+  // Where the lines have less weight than expected, a few heavy lines are missing, which may be blocked or not.
+  const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
+  const double unknown = half_a_line + 0.25 * missing * missing;
+  if (of.degrees_of_freedom == 0) return {double(sum.facing) / all, of.by_chance + unknown};
+  return {double(sum.facing) / all, (kChanceDegrees * of.expected + of.degrees_of_freedom * of.of_replicates) /
+                                            (kChanceDegrees + of.degrees_of_freedom) +
+                                        unknown};
 }
 
 Measured LineSums::exchangeArea(size_t k) const {
@@ -114,6 +117,41 @@ Measured LineSums::exchangeArea(size_t k) const {
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
   return {value, error + pair.error};
+}
+
+// The variance by chance is off by a factor that depends on the scene and on the lines of a replicate. The factor of
+// all pairs with 2^(c-1) to 2^c - 1 blocks, class c, follows from those of them that have a spread.
+std::vector<double> LineSums::errorsInSums() const {
+  struct Class {
+    double of_replicates = 0, by_chance = 0, degrees = 0;
+  };
+  std::array<Class, 33> classes{};
+  const auto blockable = [](const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); };
+  const auto classOf = [&](const LinePair& pair) -> Class& {
+    return classes[static_cast<size_t>(std::bit_width(pair.blocks))];
+  };
+  for (size_t k = 0; k < pairs_.size(); ++k) {
+    if (pairs_[k].blocks == 0 || sums_[k].all == 0) continue;
+    const LineVariances of = variancesOf(sums_[k]);
+    if (of.degrees_of_freedom == 0) continue;
+    const double square = blockable(pairs_[k]) * blockable(pairs_[k]);
+    Class& found = classOf(pairs_[k]);
+    found.of_replicates += square * of.of_replicates;
+    found.by_chance += square * of.by_chance;
+    found.degrees += of.degrees_of_freedom;
+  }
+  std::vector<double> errors(pairs_.size());
+  for (size_t k = 0; k < pairs_.size(); ++k) {
+    if (pairs_[k].blocks == 0 || sums_[k].all == 0) continue;
+    const LineVariances of = variancesOf(sums_[k]);
+    const Class& found = classOf(pairs_[k]);
+    const double ratio = found.by_chance > 0 ? found.of_replicates / found.by_chance : 1,
+                 factor = (kChanceDegrees + found.degrees * ratio) / (kChanceDegrees + found.degrees);
+    const double variance = (kChanceDegrees * factor * of.by_chance + of.degrees_of_freedom * of.of_replicates) /
+                            (kChanceDegrees + of.degrees_of_freedom);
+    errors[k] = std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, exchangeArea(k).standard_error);
+  }
+  return errors;
 }
 
 bool LineSums::goesWith(const LineSums& others) const {
@@ -139,10 +177,11 @@ double LineSums::smallerArea(const LinePair& pair) const {
 std::vector<FormFactors::Entry> LineSums::entries() const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size());
+  const std::vector<double> errors_in_sums = errorsInSums();
   for (size_t k = 0; k < pairs_.size(); ++k) {
     const Measured exchange = exchangeArea(k);
     if (!hasBack(k)) {
-      entries.push_back({pairs_[k].i, pairs_[k].j, exchange});
+      entries.push_back({pairs_[k].i, pairs_[k].j, exchange, errors_in_sums[k]});
       continue;
     }
     if (entries.empty() || keyOf(entries.back()) != std::pair(pairs_[k].i, kLeak))
@@ -159,7 +198,10 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
     const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
     // Two faces of one surface exchange both ways within it.
     const double ways = i == j ? 2 : 1;
-    entry = {i, j, {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error}};
+    entry = {i,
+             j,
+             {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error},
+             ways * entry.error_in_sums};
   }
   std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
   addSameKeys(entries);
@@ -175,6 +217,7 @@ void addSameKeys(std::vector<FormFactors::Entry>& entries) {
       continue;
     }
     Measured& sum = last->exchange_area;
+    last->error_in_sums = std::hypot(last->errorInSums(), entry->errorInSums());
     sum.value += entry->exchange_area.value;
     sum.standard_error = std::hypot(sum.standard_error, entry->exchange_area.standard_error);
   }

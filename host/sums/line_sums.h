@@ -114,6 +114,8 @@ class LineSums {
   std::vector<FormFactors::Entry> entries() const;
   // Returns the exchange areas of entries() by the rows of the result: between faces, or added up between surfaces.
   std::vector<FormFactors::Entry> entriesOfResult() const;
+  // Returns the error that each pair adds to a sum over many pairs: docs/method.md, eq. (61). In input units squared.
+  std::vector<double> errorsInSums() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;
   // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that both can be
@@ -144,5 +146,17 @@ struct Visibility {
 double varianceByChance(double visibility, double lines);
 // Returns the visibility of a pair, eq. (44), and its variance, eq. (47).    In: planned_blocks: LinePair::blocks
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks);
+
+// LineVariances are variances of a pair's visibility, from its replicates and by chance: docs/method.md, eq. (47).
+struct LineVariances {
+  double lines = 0;               // n: lines of equal weight
+  double by_chance = 0;           // c: of independent lines
+  double expected = 0;            // c B^-1/4: of scrambled points
+  double of_replicates = 0;       // s^2; 0 from a single replicate
+  double degrees_of_freedom = 0;  // of of_replicates: replicates of one size less 1; 0 from a single replicate
+};
+// Returns the variances of a pair with lines.
+//   In: sum: with lines
+LineVariances variancesOf(const LineSums::PairSum& sum);
 
 }  // namespace viewpeel

@@ -127,7 +127,7 @@ double meanSquareError(const FormFactors& form_factors, const Exchange& truth) {
 double weightedError(const FormFactors& form_factors, const FormFactors& measured, const Exchange& truth) {
   double sum = 0;
   for (size_t k = 0; k < measured.entries().size(); ++k) {
-    const auto& [i, j, c] = measured.entries()[k];
+    const auto& [i, j, c, in_sums] = measured.entries()[k];
     if (j >= kEnvironment) continue;
     const auto exact = truth.find({i, j});
     const double error = form_factors.entries()[k].exchange_area.value - (exact == truth.end() ? 0 : exact->second);

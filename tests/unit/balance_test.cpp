@@ -138,7 +138,7 @@ TEST(Balance, ConditionsOfTheMinimum) {
     const BalancedFormFactors balanced = balanceRows(measured);
     std::vector<double> sums(measured.ids().count(), 0);
     for (size_t k = 0; k < measured.entries().size(); ++k) {
-      const auto& [i, j, x] = balanced.form_factors.entries()[k];
+      const auto& [i, j, x, in_sums] = balanced.form_factors.entries()[k];
       const double c = measured.entries()[k].exchange_area.value, w = weightOf(measured.entries()[k].exchange_area);
       const double pull = balanced.row_corrections[i] + (i == j ? 0 : balanced.row_corrections[j]);
       const double rounding =
@@ -173,7 +173,7 @@ std::vector<double> enumerateBalanced(const FormFactors& measured) {
     std::vector<size_t> members;
     for (size_t k = 0; k < count; ++k) {
       if (!(set >> k & 1)) continue;
-      const auto& [i, j, c] = measured.entries()[k];
+      const auto& [i, j, c, in_sums] = measured.entries()[k];
       for (uint32_t row : {i, j}) rows(row, members.size()) = std::sqrt(weightOf(c));
       missing[i] -= c.value;
       if (i != j) missing[j] -= c.value;

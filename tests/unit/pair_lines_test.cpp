@@ -304,6 +304,56 @@ TEST(LineSums, LinesThatAgreeHaveAnError) {
   EXPECT_NEAR(std::sqrt(visibility.variance), 0.05044, 1e-5);
 }
 
+// Lines of 3,000 pairs are far more even than by chance: of 16 lines 16 b are facing, rounded up or down at random.
+// Half of the pairs have four replicates, half a single one, which has no spread. Errors in sums are the true ones, on
+// the average, for both. A square error has 1.2 times its mean as standard deviation, so 1,500 of them average to 3 %.
+// Three such errors meet here: of the truth, of the spread, and of the factor of all pairs; and the factor is drawn by
+// 2 % towards 1. A quarter is 4.5 standard errors and this. Standard errors, which hold for one pair alone, are far
+// larger.
+TEST(LineSums, ErrorsInSumsAreTrueOnAverage) {
+  constexpr uint32_t kPairs = 3000, kReplicates = 4;
+  Ids ids;
+  std::vector<LinePair> pairs;
+  std::mt19937 random(7);
+  const auto uniform = [&] { return std::uniform_real_distribution<double>()(random); };
+  std::vector<double> truth;
+  for (uint32_t k = 0; k <= kPairs; ++k) {
+    ids.names.push_back(std::to_string(k));
+    ids.areas.push_back(2);
+    ids.surface.push_back(k);
+  }
+  for (uint32_t k = 0; k < kPairs; ++k) {
+    LinePair& pair = pairs.emplace_back(LinePair{k, kPairs});
+    pair.exchange = 1, pair.blocks = 1, pair.period = k % 2 ? kReplicates : 1;
+    truth.push_back(uniform());
+  }
+  LineSums sums(ids, By::polygon, pairs);
+  for (uint32_t r = 0; r < kReplicates; ++r) {
+    LineCounts counts;
+    for (uint32_t k = 0; k < kPairs; ++k)
+      if (k % 2 == 0 || r == 0)
+        counts.push_back({k, 1, uint32_t(kLineUnit / 16 * std::floor(16 * truth[k] + uniform())), uint32_t(kLineUnit),
+                          16 * uint32_t(kEffectiveUnit)});
+    sums.add(counts);
+  }
+  double squares[2] = {}, in_sums[2] = {}, alone[2] = {};
+  const std::vector<FormFactors::Entry> entries = sums.entries();
+  for (uint32_t k = 0; k < kPairs; ++k) {
+    squares[k % 2] += std::pow(entries[k].exchange_area.value - truth[k], 2);
+    in_sums[k % 2] += std::pow(entries[k].error_in_sums, 2);
+    alone[k % 2] += std::pow(entries[k].exchange_area.standard_error, 2);
+    EXPECT_LE(entries[k].error_in_sums, entries[k].exchange_area.standard_error);
+  }
+  for (const int half : {0, 1}) {
+    EXPECT_NEAR(in_sums[half] / squares[half], 1, 0.25) << half;
+    EXPECT_GT(alone[half], 2 * squares[half]);
+  }
+  // Sums between surfaces have the root of the sum of squares.
+  const std::vector<FormFactors::Entry> sum = mergeBySurface(entries, std::vector<uint32_t>(kPairs + 1, 0));
+  ASSERT_EQ(sum.size(), 1u);
+  EXPECT_NEAR(sum[0].error_in_sums, 2 * std::sqrt(in_sums[0] + in_sums[1]), 1e-12 * kPairs);
+}
+
 // Lines of half the expected weight are missing. Nothing is known of them, so the standard error is at least m / 2 =
 // 0.25, eq. (47), whatever the number of lines.
 TEST(LineSums, MissingWeightIsUnknown) {
