@@ -71,7 +71,12 @@ int runCheck(const CheckCommand& command) {
 
   const Ids ids = makeIds(scene, By::polygon, command.two_sided);
   std::optional<Device> device;
-  if (command.engine != EngineKind::host) device.emplace(command.device);
+  try {
+    if (command.engine != EngineKind::host) device.emplace(command.device);
+  } catch (const Error& error) {
+    if (error.code() != ErrorCode::device) throw;
+    throw Error(error.code(), fmt::format("{}; --engine host checks the processor's counts without one", error.what()));
+  }
   const EngineFactory make_engine = latticeEngines(command.engine, device ? &*device : nullptr);
   std::map<int, std::unique_ptr<Engine>> engines;
   for (int resolution : command.check.resolutions)

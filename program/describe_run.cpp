@@ -47,6 +47,33 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
                     g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
 }
 
+constexpr const char* kAllExact = "no lines or directions: geometry gives every form factor";
+
+// Returns the lines of the plan that say how many lines it takes.
+std::string describeLines(const PlanSummary& plan, uint64_t seed) {
+  const LineGuaranteeFigures& g = *plan.line_guarantee;
+  if (g.drawn == 0 && g.bounded == 0)
+    return fmt::format("plan       {}; found out in {}; seed {}\n",
+                       plan.directions
+                           ? fmt::format("no lines: geometry gives every form factor between rows; {} a replicate "
+                                         "see what leaves the scene or ends on backs",
+                                         counted(plan.directions, "direction"))
+                           : kAllExact,
+                       inWords(g.plan_seconds), seed);
+  std::string text = fmt::format(
+      "plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n", g.most_lines,
+      inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds), inWords(g.plan_seconds), seed);
+  if (g.drawn)
+    text += fmt::format("           most of all for {} and {}: {:.2g}\n", g.neediest.first, g.neediest.second,
+                        g.most_for_one);
+  if (g.delta > 0)
+    text += fmt::format(
+        "beside     directions of Pellegrini's Lemma 1: {:.3g} for one pair, {:.3g} for all; of the median of runs "
+        "{:.3g}\n",
+        g.lemma_1, g.lemma_1_all, g.median_directions);
+  return text;
+}
+
 std::string describeLineGuarantee(const Request& request, const PlanSummary& plan) {
   const LineGuaranteeFigures& g = *plan.line_guarantee;
   const char* what = std::get<EpsilonDelta>(request.goal).rows ? "form factor, environment too," : "form factor";
@@ -62,18 +89,7 @@ std::string describeLineGuarantee(const Request& request, const PlanSummary& pla
   if (g.least_form_factor > 0)
     text += fmt::format("           pairs with unoccluded form factors below {:.3g} are within it without lines\n",
                         g.least_form_factor);
-  text += fmt::format("plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n",
-                      g.most_lines, inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds),
-                      inWords(g.plan_seconds), request.seed);
-  if (g.drawn)
-    text += fmt::format("           most of all for {} and {}: {:.2g}\n", g.neediest.first, g.neediest.second,
-                        g.most_for_one);
-  if (g.delta > 0)
-    text += fmt::format(
-        "beside     directions of Pellegrini's Lemma 1: {:.3g} for one pair, {:.3g} for all; of the median of runs "
-        "{:.3g}\n",
-        g.lemma_1, g.lemma_1_all, g.median_directions);
-  return text;
+  return text + describeLines(plan, request.seed);
 }
 
 // Returns the errors and times that pilots predict; empty where options fix the plan.
@@ -114,7 +130,7 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
     text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",
                         counted(plan.directions, "direction"), plan.sampler,
                         lines.least_form_factor > 0 ? "the other pairs, " : "", describeLattices(plan));
-  else text += "sampling   ";
+  else text += lines.partial ? "sampling   " : fmt::format("sampling   {}; ", kAllExact);
   return text + fmt::format("seed {}\n", seed);
 }
 

@@ -40,7 +40,8 @@ bool FormFactorRun::State::planPromise() {
     std::erase_if(counts, [](const PairCount& count) { return count.j == kLeak; });
   }
   for (size_t k = 0; k < leaked.size(); ++k)
-    leaked_share = std::max(leaked_share, leaked[k] / setup.faceIds().areas[k] / double(promise_counts->size()));
+    leaked_share = std::max(leaked_share,
+                            leaked[k] / setup.faceIds().areas[k] / double(std::max<size_t>(promise_counts->size(), 1)));
   setup.promise(is_open);
   try {
     if (leaked_share > kGrazedPart * tolerance)

@@ -116,6 +116,7 @@ struct FormFactorRun::State {
   void planWithoutPairLines(const std::string& why);
   void requireNoPairLines() const;
   bool findLinePairs();
+  bool isAllExact() const;
   void planGuarantee();
   bool planLineGuarantee();
   void makeLineGuarantee();

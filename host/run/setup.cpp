@@ -282,7 +282,7 @@ void Setup::adoptPlan(const Settings& stored) {
   if (auto* goal = std::get_if<EpsilonDelta>(&request_.goal)) {
     if (!(goal->range > 0)) goal->range = figureOf("--range");
     if (!goal->block_directions) goal->block_directions = static_cast<uint32_t>(figureOf("--block"));
-  } else if (plans_ && !isExact() && figureOf("--directions") >= 1) {
+  } else if (plans_ && !isExact() && (figureOf("--directions") >= 1 || pair_lines_)) {
     plans_ = false;
     estimate_.directions = static_cast<uint32_t>(figureOf("--directions"));
     if (!resolution_) resolution_ = static_cast<int>(figureOf("--resolution"));

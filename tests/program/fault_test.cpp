@@ -81,6 +81,9 @@ TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
   expectOneLine(run(plates, "VK_DRIVER_FILES=/nowhere.json VK_ICD_FILENAMES=/nowhere.json"), 1,
                 {"no Vulkan driver found; install"});
   expectOneLine(run(plates, withFault("none")), 1, {"no Vulkan driver found; install"});
+  const std::string check = "check " VIEWPEEL_SCENES "/plates.obj --directions 1 --lattices 8 --resolution 16 ";
+  expectOneLine(run(check, withFault("none")), 1, {"no Vulkan driver found; install", "--engine host"});
+  EXPECT_EQ(run(check + "--engine host", withFault("none")).status, 0);
   expectOneLine(run(plates, withFault("version")), 1,
                 {"no usable device: 0: ", "(needs Vulkan 1.3)", "viewpeel devices"});
   expectOneLine(run(plates, withFault("feature")), 1, {"no usable device: 0: ", "lacks shaderInt64"});

@@ -54,20 +54,52 @@ TEST_F(Program, AFloorThatNothingReachesIsReported) {
 TEST_F(Program, PlansSayWhatARunTakes) {
   const std::string plates = "plan " VIEWPEEL_SCENES "/plates.obj ";
   for (const char* options : {"--engine exact", "--directions 10 --resolution 16", "--directions 10 --pair lower upper",
-                              "--epsilon 0.3", "--epsilon 0.3 --pair-lines off"}) {
+                              "--epsilon 0.3 --pair-lines off"}) {
     const Result r = run(plates + options);
     EXPECT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
     const std::string words = options;
-    EXPECT_NE(r.output.find(words.ends_with("off")           ? "plan       blocks of "
-                            : words.starts_with("--epsilon") ? " lines at most ("
-                                                             : "expected   "),
-              std::string::npos)
+    EXPECT_NE(r.output.find(words.ends_with("off") ? "plan       blocks of " : "expected   "), std::string::npos)
         << r.output;
   }
+  EXPECT_NE(run("plan " VIEWPEEL_SCENES "/street.obj --epsilon 0.3").output.find(" lines at most ("),
+            std::string::npos);
   const Result r = run(plates + "--tolerance 1e-9 --seconds 1 --pair-lines off");
   EXPECT_NE(r.output.find("more than --seconds 1 allow; the run ends short of it"), std::string::npos) << r.output;
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
+}
+
+// Where nothing can block, and rows add up to 1, neither a promise nor an estimate takes lines or directions. In an
+// open scene directions see what leaves it.
+TEST_F(Program, WhatGeometryGivesTakesNoDirections) {
+  const std::string cube = "compute " VIEWPEEL_SCENES "/cube.obj ", plates = "compute " VIEWPEEL_SCENES "/plates.obj ",
+                    none = "no lines or directions: geometry gives every form factor";
+  for (const char* options : {"", "--promise off", "--epsilon 1e-3", "--by surface", "--from x0"}) {
+    const Result r = run(cube + options);
+    ASSERT_EQ(r.status, 0) << r.output;
+    EXPECT_NE(r.output.find(none), std::string::npos) << options << r.output;
+    EXPECT_NE(r.output.find(", 0 directions"), std::string::npos) << options << r.output;
+    EXPECT_NE(r.output.find("outside    0 % of all"), std::string::npos) << options << r.output;
+    const Result open = run(plates + (std::string(options) == "--from x0" ? "--from lower" : options));
+    EXPECT_EQ(open.output.find(none), std::string::npos) << options << open.output;
+    EXPECT_NE(open.output.find(", 256 directions"), std::string::npos) << options << open.output;
+  }
+  // Without one of its walls the cube is open, and with a wall that looks outside it leaks.
+  std::string walls = readFile(VIEWPEEL_SCENES "/cube.obj");
+  const size_t last = walls.rfind("f ");
+  std::ofstream(file("open.obj")) << walls.substr(0, last);
+  walls.replace(last, walls.find('\n', last) - last, "f 4 5 6 3");
+  std::ofstream(file("other.obj")) << walls;
+  for (const char* name : {"open.obj", "other.obj"}) {
+    const Result r = run("compute " + file(name));
+    EXPECT_EQ(r.status, 0) << r.output;
+    EXPECT_EQ(r.output.find(none), std::string::npos) << r.output;
+  }
+  // A run goes on from its checkpoint.
+  const std::string kept = cube + "--tolerance 1e-3 --quiet --checkpoint " + file("c.h5") + " -o ";
+  ASSERT_EQ(run(kept + file("a.csv")).output, "");
+  ASSERT_EQ(run(kept + file("b.csv") + " --resume").output, "");
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
 }
 
 // The first line of the plan says whether the tolerance is a promise, and files have intervals where it is.
