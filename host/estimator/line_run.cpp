@@ -7,6 +7,7 @@
 
 #include <viewpeel/error.h>
 #include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
 
 namespace viewpeel {
 namespace {
@@ -132,13 +133,23 @@ std::vector<double> LineRun::findRowVariances(const FormFactors& all) const {
   };
   forEachPart([&](uint32_t id, double variance) { sums[id] += variance; });
   std::map<uint32_t, std::vector<double>> parts;
+  const auto wantRow = [&](uint32_t id, double excess) {
+    if (!(excess > 1)) return;
+    parts[id];
+    sums[id] /= excess * excess;  // variance that the row may have
+  };
+  std::vector<bool> has_environment(ids.count());
+  bool is_open = false;
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kEnvironment) continue;
-    const double excess = excessOf({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(sums[entry.i])}}, ids);
-    if (!(excess > 1)) continue;
-    parts[entry.i];
-    sums[entry.i] /= excess * excess;  // variance that the row may have
+    is_open = has_environment[entry.i] = true;
+    wantRow(entry.i, excessOf({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(sums[entry.i])}}, ids));
   }
+  // In an open scene another row may see the environment, too, where its pairs leave something of it. It gets an
+  // environment if that is more than kBeyondDoubt standard errors, which therefore must be within the tolerance.
+  for (uint32_t id = 0; is_open && options_.tolerance && id < ids.count(); ++id)
+    if (ids.isRequested(id) && !has_environment[id] && all.rowSums()[id].value < 1)
+      wantRow(id, kBeyondDoubt * std::sqrt(sums[id]) / (*options_.tolerance * ids.areas[id]));
   if (parts.empty()) return most;
   forEachPart([&](uint32_t id, double variance) {
     if (const auto row = parts.find(id); row != parts.end()) row->second.push_back(variance);

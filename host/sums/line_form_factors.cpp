@@ -9,9 +9,6 @@
 namespace viewpeel {
 namespace {
 
-// A row that lacks more than this number of standard errors surely sees the environment.
-constexpr double kBeyondDoubt = 3;
-
 // Adds the pairs that common directions counted to the entries of pairs with lines. No pair is among both but between
 // surfaces, whose pairs of faces may be of either kind.
 //   In: least_form_factor: 0 between surfaces

@@ -10,6 +10,9 @@ namespace viewpeel {
 // for similar pairs that no line met. With a smaller multiple row sums would be too small.
 constexpr double kMostOfCounted = 10;
 
+// A row of an open scene that lacks more than this number of standard errors surely sees the environment.
+constexpr double kBeyondDoubt = 3;
+
 // Returns the form factors between all rows, and from each row to environment and leak.
 //   In: lines: pair lines of pairs of faces; by: whether rows of the result are faces or surfaces; counted: counts
 //     along common directions, by these rows; measure_area, count_area: as in ReplicateSums
