@@ -94,7 +94,20 @@ void PairLines::replaceParts(LinePair& pair, Group& group, std::span<const Patch
   }
 }
 
+// Makes pairs whole whose cuts have been taken back.
+void PairLines::makeWhole(std::span<LinePair> pairs) {
+  std::erase_if(wholes_, [&](const auto& at) {
+    LinePair& pair = pairs[at.first];
+    if (pair.cuts > 0) return false;
+    const LinePair& whole = at.second.pair;
+    pair.exchange = whole.exchange, pair.clear = whole.clear, pair.error = whole.error, pair.parts = whole.parts;
+    groups_[at.first] = at.second.group;
+    return true;
+  });
+}
+
 void PairLines::cutHere(std::span<LinePair> pairs) {
+  makeWhole(pairs);
   std::vector<uint32_t> due;  // indices of pairs
   for (uint32_t k = 0; k < pairs.size(); ++k)
     if (pairs[k].cuts > 0 && !groups_[k].is_cut) due.push_back(k);
@@ -134,7 +147,25 @@ void PairLines::cutHere(std::span<LinePair> pairs) {
       part = {indices[part.a], indices[part.b], found.area, found.error};
     }
   });
+  for (const uint32_t k : due) wholes_.emplace(k, Whole{pairs[k], groups_[k]});
   for (size_t k = 0; k < due.size(); ++k) replaceParts(pairs[due[k]], groups_[due[k]], pairs_of_patches[k], parts[k]);
+}
+
+void PairLines::cutAndPlan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
+                           uint32_t replicates) {
+  if (!chooseCuts(pairs, replicates)) return;
+  std::vector<std::pair<uint32_t, LinePair>> whole;
+  for (uint32_t k = 0; k < pairs.size(); ++k)
+    if (pairs[k].cuts > 0) whole.emplace_back(k, pairs[k]);
+  cut(pairs);
+  std::vector<double> goals(pairs.size(), kHasPlan);
+  for (const auto& [k, pair] : whole) goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear);
+  planGoals(pairs, goals, replicates);
+  const auto pays = [&](const auto& at) { return pairs[at.first].linesIn(replicates) < at.second.linesIn(replicates); };
+  std::erase_if(whole, pays);
+  if (whole.empty()) return;
+  for (const auto& [k, pair] : whole) pairs[k] = pair, pairs[k].cuts = 0;
+  cut(pairs);
 }
 
 }  // namespace viewpeel

@@ -25,7 +25,6 @@ constexpr double kNear = 0.15;            // or where the gap is below this shar
 constexpr double kLeastNear = 1e-3;       // the form factor is above this,
 constexpr double kUneven = 0.2;           // and fewer than this share of lines by points would count in effect
 constexpr uint32_t kMostPeriod = 8;
-constexpr double kHasPlan = -1;  // in place of a goal, which is above 0: the pair keeps its plan
 
 bool areNear(const Patch& a, const Patch& b) {
   const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
@@ -396,16 +395,6 @@ void PairLines::plan(std::span<LinePair> pairs, const std::function<double(const
                      uint32_t replicates) {
   std::vector<double> goals(pairs.size());
   forEach(pairs.size(), [&](size_t k) { goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear); });
-  planGoals(pairs, goals, replicates);
-}
-
-void PairLines::cutAndPlan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
-                           uint32_t replicates) {
-  if (!chooseCuts(pairs, replicates)) return;
-  cut(pairs);
-  std::vector<double> goals(pairs.size(), kHasPlan);
-  for (size_t k = 0; k < pairs.size(); ++k)
-    if (groups_[k].is_cut) goals[k] = allowed(pairs[k]) / (pairs[k].exchange - pairs[k].clear);
   planGoals(pairs, goals, replicates);
 }
 

@@ -5,6 +5,7 @@
 #pragma once
 #include <array>
 #include <functional>
+#include <map>
 #include <optional>
 #include <span>
 #include <vector>
@@ -92,11 +93,13 @@ class PairLines {
   //   Error: most pairs keep to the standard error; pilots are rough, so that some exceed it.
   void plan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed, uint32_t replicates);
 
-  // Cuts pairs that need many lines, and plans the lines of their parts.
+  // Cuts pairs that need many lines, and plans the lines of their parts. A pair whose parts need no fewer lines stays
+  // whole.
   //   In: pairs: with their plan; allowed, replicates: as for plan()    Out: pairs: as from cut()
   void cutAndPlan(std::span<LinePair> pairs, const std::function<double(const LinePair&)>& allowed,
                   uint32_t replicates);
-  // Cuts each pair as often as its LinePair::cuts says, unless it has been cut.
+  // Cuts each pair as often as its LinePair::cuts says, unless it has been cut. A pair that has been cut, and whose
+  // `cuts` is 0 now, becomes whole again.
   //   In, out: pairs: all that find() found. A pair that is cut gets `exchange`, `clear`, `error` and `parts` of its
   //   parts that are not hidden    Cost: some 10 us a cut.
   void cut(std::span<LinePair> pairs) { crew_ ? cutOnRanks(pairs) : cutHere(pairs); }
@@ -168,8 +171,10 @@ class PairLines {
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   bool chooseCuts(std::span<LinePair> pairs, uint32_t replicates) const;
   void cutHere(std::span<LinePair> pairs);
+  void makeWhole(std::span<LinePair> pairs);
   std::vector<CutPart> blockedPartsOf(const Group& group) const;
   void replaceParts(LinePair& pair, Group& group, std::span<const PatchPair> parts, std::span<const CutPart> blockers);
+  static constexpr double kHasPlan = -1;  // in place of a goal, which is above 0: the pair keeps its plan
   void planGoals(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
@@ -183,6 +188,11 @@ class PairLines {
   PairFinder finder_;
   PatchPairs parts_;           // grouped by pairs of faces
   std::vector<Group> groups_;  // the parts of each pair of faces
+  struct Whole {
+    LinePair pair;
+    Group group;
+  };
+  std::map<uint32_t, Whole> wholes_;  // by index, what pairs that are cut were before
   const Device* device_;
   Crew* crew_;
   uint64_t pairs_sent_ = 0;                  // hash of the plans of pairs that the other ranks have

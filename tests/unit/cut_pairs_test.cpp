@@ -141,19 +141,24 @@ TEST(CutPairs, BoundsEncloseTheIntegral) {
       if (cuts == 0) widths += width;
       if (cuts < 300) continue;
       cut_widths += width;
-      // Negative control: another value, within the bounds of the whole pair, is outside.
-      const double wrong = of.truth < 0.5 * cutPair(of, 0).exchange ? 1.5 * of.truth : 0.5 * of.truth;
-      wrong_enclosed += pair.clear <= wrong && wrong <= pair.exchange;
+      // Negative control: of two values near the ends of what the whole pair allows, one is outside.
+      const LinePair whole = cutPair(of, 0);
+      for (const double share : {0.1, 0.9}) {
+        const double wrong = std::lerp(whole.clear, whole.exchange, share);
+        wrong_enclosed += pair.clear <= wrong && wrong <= pair.exchange;
+      }
     }
   }
   // Lines have four coordinates, which 300 cuts divide in about four each. The lines that pass an edge of the blocker
   // are a surface of three dimensions, in some 2 x 4^3 of the 4^4 parts.
   EXPECT_LT(cut_widths, 0.75 * widths);
-  EXPECT_LT(wrong_enclosed, all.size() / 2);
+  EXPECT_LT(wrong_enclosed, all.size());
 }
 
-// Lines between the parts have the integral as their mean. Each of some 30 values may err by 6 of its standard errors.
+// Lines between the parts have the integral as their mean. Each of some 20 values may err by 6 of its standard errors.
+// Where parts need no fewer lines than the whole pair, it stays whole.
 TEST(CutPairs, LinesOfPartsGiveTheIntegral) {
+  size_t cut = 0, all = 0;
   for (const PastBlocker& of : pairsPastBlockers()) {
     PairLines lines(of.scene, of.ids, false, 3, 1);
     std::vector<LinePair> pairs = lines.find();
@@ -162,14 +167,18 @@ TEST(CutPairs, LinesOfPartsGiveTheIntegral) {
     lines.plan(pairs, allowed, 8);
     const double whole = pairs[k].linesIn(8);
     lines.cutAndPlan(pairs, allowed, 8);
-    EXPECT_GT(pairs[k].cuts, 0u);
-    EXPECT_LT(pairs[k].linesIn(8), whole);
+    ++all;
+    cut += pairs[k].cuts > 0;
+    EXPECT_TRUE(pairs[k].linesIn(8) < whole || (pairs[k].cuts == 0 && pairs[k].linesIn(8) == whole))
+        << pairs[k].linesIn(8) << ", whole " << whole;
     LineSums sums(of.ids, By::polygon, pairs);
     for (uint64_t replicate = 0; replicate < 8; ++replicate) sums.add(lines.count(pairs, replicate));
     const Measured found = sums.exchangeArea(k);
     EXPECT_LT(found.standard_error, 1e-3 * of.truth + pairs[k].error);
     EXPECT_NEAR(found.value, of.truth, 6 * found.standard_error + of.error);
   }
+  EXPECT_GT(cut, 0u);
+  EXPECT_LT(cut, all);
 }
 
 // --- plans ----------------------------------------------------------------------------------------------------------
@@ -194,7 +203,7 @@ struct Street {
 
 TEST(CutPairs, ThreadsDoNotMatter) {
   Street one, three;
-  PairLines lines_one = one.planned(1, 1e-4), lines_three = three.planned(3, 1e-4);
+  PairLines lines_one = one.planned(1, 3e-5), lines_three = three.planned(3, 3e-5);
   EXPECT_GT(one.cutCount(), 20u);
   EXPECT_EQ(one.pairs, three.pairs);
   EXPECT_EQ(lines_one.count(one.pairs, 3), lines_three.count(three.pairs, 3));
