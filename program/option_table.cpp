@@ -92,7 +92,8 @@ CommandEntry describeCommand(const CLI::App& command) {
   }
   std::ranges::stable_sort(entry.groups, {}, [](const OptionGroup& group) { return placeOf(group.title); });
   for (OptionGroup& group : entry.groups)
-    std::ranges::stable_partition(group.options, [](const OptionEntry& o) { return o.names.back() != "--help"; });
+    std::stable_partition(group.options.begin(), group.options.end(),
+                          [](const OptionEntry& o) { return o.names.back() != "--help"; });
   for (const CLI::App* child : command.get_subcommands([](const CLI::App*) { return true; }))
     entry.commands.push_back(describeCommand(*child));
   return entry;
