@@ -17,18 +17,24 @@ constexpr double kLeastNamed = 0.01;  // surfaces with less than this share of t
 struct LeakAreas {
   std::vector<double> of_id, of_surface, area_of_surface;
   double total = 0, emitted = 0;
+  double largest = 0;  // form factor of a row to leak
 };
 
 LeakAreas sumLeaks(const Scene& scene, const FormFactors& form_factors) {
   const Ids& ids = form_factors.ids();
-  LeakAreas sums{std::vector<double>(ids.count(), 0), std::vector<double>(scene.surfaces.size(), 0),
-                 std::vector<double>(scene.surfaces.size(), 0), 0, 0};
+  LeakAreas sums{std::vector<double>(ids.count(), 0),
+                 std::vector<double>(scene.surfaces.size(), 0),
+                 std::vector<double>(scene.surfaces.size(), 0),
+                 0,
+                 0,
+                 0};
   for (uint32_t id = 0; id < ids.count(); ++id) {
     if (!ids.isRequested(id)) continue;
     const double leak = form_factors.exchangeArea(id, kLeak).value;
     sums.of_id[id] = leak;
     sums.of_surface[ids.surface[id]] += leak;
     sums.area_of_surface[ids.surface[id]] += ids.areas[id];
+    sums.largest = std::max(sums.largest, leak / ids.areas[id]);
     sums.total += leak;
     sums.emitted += ids.areas[id];
   }
@@ -64,7 +70,7 @@ std::string nameRows(const Scene& scene, const LeakAreas& leaks) {
 
 }  // namespace
 
-std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form_factors) {
+std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form_factors, double goal) {
   const Ids& ids = form_factors.ids();
   if (!ids.rows_sum_to_one || ids.two_sided) return {};
   const auto isPair = [](const FormFactors::Entry& entry) { return entry.j < kEnvironment; };
@@ -76,9 +82,9 @@ std::vector<std::string> warnOfLeaks(const Scene& scene, const FormFactors& form
         fmt::format("{}: no front sees another front: every line leaves the scene; turn a room whose normals look "
                     "outward by --fix-normals, or surfaces by --flip NAME",
                     scene.file)};
-  if (!(share > kClosedLeak)) return {};  // checked before isClosed(), for kOpenLeak is larger
+  if (!(share > kClosedLeak || leaks.largest > goal)) return {};  // checked before isClosed(), for kOpenLeak is larger
   const bool is_closed = isClosed(scene);
-  if (!(share > (is_closed ? kClosedLeak : kOpenLeak))) return {};
+  if (!(share > (is_closed ? kClosedLeak : kOpenLeak) || leaks.largest > goal)) return {};
   std::vector<std::string> lines = {
       fmt::format("{}: {:.2g} % of what is emitted ends on backs (leak), {}: {}", scene.file, 100 * share,
                   is_closed ? "though all edges are closed" : "and edges are open", nameRows(scene, leaks))};

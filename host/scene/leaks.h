@@ -23,7 +23,7 @@ struct Leak {
   uint32_t from, onto;  // indices into Scene::surfaces
   LeakCause cause;
   uint32_t culprit;    // the surface, `from` or `onto`, that the user should change
-  double share;        // share of this leak in all rays that ended on backs
+  double share;        // share of this leak in all radiation that ends on backs
   double hidden_area;  // area of `from` from which the rays to all sides end on backs, input units squared
 };
 
@@ -36,7 +36,7 @@ struct FrontRays {
 
 // Casts rays from the fronts of all polygons.
 //   In: weights: double[polygon], the share of rays that start on each polygon, such as its count of leaking lines;
-//     empty: rays start uniformly over the area
+//     empty: rays start uniformly over the area. Weights change which leaks are found, and how exactly, but no share
 //   Error: shares are good to about 1e-2. A leak of less than about 1e-4 of all lines is not found. Every run casts the
 //     same rays.
 //   Cost: O(edges log edges) and some 10^4 rays.
@@ -44,6 +44,10 @@ FrontRays followFronts(const Scene& scene, const std::vector<double>& weights = 
 
 // Returns a line for each cause and culprit, with the option or change that mends it. The largest leak comes first.
 std::vector<std::string> describeLeaks(const Scene& scene, const std::vector<Leak>& leaks);
+
+// Returns the cause of the largest leak, with its share of the leak and the option or change that mends it. It has no
+// file name.    Out: empty where no ray from a front ends on a back
+std::string explainLargestLeak(const Scene& scene);
 
 // Returns warnings, one line each, about backs that fronts see, or about a scene in which no front sees another front.
 // Callers use it before anything is computed.    Out: empty where all is well

@@ -6,6 +6,7 @@
 
 #include <viewpeel/balance.h>
 #include <viewpeel/error.h>
+#include "scene/leaks.h"
 
 namespace viewpeel {
 namespace {
@@ -17,7 +18,20 @@ using Entry = FormFactors::Entry;
 constexpr double kBeyondDoubt = 4.5;
 constexpr double kRounding = 1e-12;  // allowed in a row sum that is 1 by construction
 
-void requireNoLeak(const FormFactors& form_factors) {
+}  // namespace
+
+void refuseLeak(double share, const std::string& row, const Scene* scene) {
+  std::string cause = scene ? explainLargestLeak(*scene) : "";
+  if (cause.empty())
+    cause =
+        "turn flipped faces over, cut faces where they overlap or meet, and close gaps; viewpeel compute names the "
+        "cause";
+  throw Error(ErrorCode::bad_input, fmt::format("{}{:.3g} % of all emitted radiation ends on backs, which have no "
+                                                "material (most of it comes from '{}'): {}",
+                                                scene ? scene->file + ": " : "", 100 * share, row, cause));
+}
+
+void requireNoLeak(const FormFactors& form_factors, const Scene* scene) {
   const Ids& ids = form_factors.ids();
   double leak = 0, largest = 0, area = 0;
   uint32_t row = 0;
@@ -27,16 +41,7 @@ void requireNoLeak(const FormFactors& form_factors) {
     leak += entry.exchange_area.value;
     if (entry.exchange_area.value > largest) largest = entry.exchange_area.value, row = entry.i;
   }
-  if (leak > kGrazingShare * area) refuseLeak(leak / area, ids.names[row]);
-}
-
-}  // namespace
-
-void refuseLeak(double share, const std::string& row) {
-  throw Error(ErrorCode::bad_input,
-              fmt::format("{:.3g} % of all emitted radiation ends on backs, which have no material (most of it comes "
-                          "from '{}'); turn flipped faces over with --flip or --fix-normals, or say --two-sided",
-                          100 * share, row));
+  if (leak > kGrazingShare * area) refuseLeak(leak / area, ids.names[row], scene);
 }
 
 ClosedExchange closeRows(const FormFactors& form_factors) {
@@ -45,7 +50,7 @@ ClosedExchange closeRows(const FormFactors& form_factors) {
   if (!ids.requested.empty() || !ids.rows_sum_to_one || form_factors.rowSums().size() != n)
     throw Error(ErrorCode::bad_usage,
                 "heat needs the form factors of all rows; compute them without --from, --pair and --blocker");
-  requireNoLeak(form_factors);
+  requireNoLeak(form_factors, nullptr);
 
   ClosedExchange closed;
   closed.areas = Eigen::Map<const VectorXd>(ids.areas.data(), n);

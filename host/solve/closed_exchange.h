@@ -6,6 +6,7 @@
 #include <Eigen/SparseCore>
 
 #include <viewpeel/form_factors.h>
+#include <viewpeel/scene.h>
 
 namespace viewpeel {
 
@@ -29,7 +30,12 @@ struct ClosedExchange {
 //   Cost: O(entries); memory 24 bytes an entry.
 ClosedExchange closeRows(const FormFactors& form_factors);
 
-// Refuses a scene with leak.    In: share: of all emitted radiation; row: name of the row with the largest part
-[[noreturn]] void refuseLeak(double share, const std::string& row);
+// Refuses form factors of which more than kGrazingShare of all radiation ends on backs.
+//   In: scene: of the form factors; nullptr: the cause is not looked for
+void requireNoLeak(const FormFactors& form_factors, const Scene* scene);
+
+// Refuses a scene with leak, and says why it leaks.
+//   In: share: of all emitted radiation; row: name of the row with the largest part; scene: nullptr where unknown
+[[noreturn]] void refuseLeak(double share, const std::string& row, const Scene* scene);
 
 }  // namespace viewpeel

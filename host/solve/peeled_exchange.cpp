@@ -65,7 +65,7 @@ void PeeledExchange::requireNoLeak(const std::vector<Outside>& outside) const {
     leak += of_row;
     if (of_row > largest) largest = of_row, row = i;
   }
-  if (leak > kGrazingShare * closed_.areas.sum()) refuseLeak(leak / closed_.areas.sum(), ids_.names[row]);
+  if (leak > kGrazingShare * closed_.areas.sum()) refuseLeak(leak / closed_.areas.sum(), ids_.names[row], &scene_);
 }
 
 void PeeledExchange::draw(uint32_t directions, uint64_t round) {

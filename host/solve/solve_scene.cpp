@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "solve/check_enclosure.h"
+#include "solve/closed_exchange.h"
 #include "solve/directional_law.h"
 #include "stopwatch.h"
 #include <viewpeel/error.h>
@@ -44,6 +45,7 @@ SceneHeat solveOnce(const Scene& scene, const MaterialTable& materials, Enclosur
   // Intervals of common directions have no entry for pairs that no line met, so answers get no bounds from them.
   const bool has_all_intervals = result.guarantee && result.guarantee->by == GuaranteedBy::chernoff;
   const FormFactors& found = result.form_factors;
+  requireNoLeak(found, &scene);
   if (enclosure.sky_and_ground && result.environment_share > 0)
     measureParts(scene, materials, request, observer, enclosure);
   HeatSolution heat = has_all_intervals || !found.hasIntervals()

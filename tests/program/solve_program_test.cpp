@@ -241,7 +241,7 @@ TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   cube.replace(cube.find("f 1 2 3 4"), 9, "f 4 3 2 1");
   expectRefusal(run("solve " + write("flipped.obj", cube) + " --quiet --materials " +
                     write("m.csv", kHeader + "default,0.5,300,\n")),
-                "ends on backs, which have no material");
+                "100 % of the leak: x0 looks the wrong way");
   const std::string materials = " --materials " + write("m.csv", kHeader + "default,0.5,300,\n");
   expectRefusal(run("solve " + kCube), "--materials is required");
   expectRefusal(run("solve" + materials), "solve needs a scene, or form factors by --from-result");

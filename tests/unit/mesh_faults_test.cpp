@@ -6,6 +6,7 @@
 #include <fstream>
 #include <numbers>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -133,6 +134,19 @@ TEST(MeshFaults, CoarseCoordinatesAreReported) {
   for (const InputScene& fine : {city, moved(4.5e6, 1), ts::roundedToSingle(city), ts::roundedToSingle(moved(1e3, 1)),
                                  ts::roundedToSingle(moved(4.5e6, 100))})
     EXPECT_EQ(countWith(buildScene(fine), "come in steps of"), 0u) << all(buildScene(fine));
+  // Text gives single precision nine digits. With eight digits more, as in double precision, nothing is warned of.
+  InputScene text = ts::roundedToSingle(moved(642857, 0.1)), all_digits = moved(642857, 0.1);
+  for (InputScene* input : {&text, &all_digits})
+    for (InputFace& face : input->faces)
+      for (glm::dvec3& corner : face.corners)
+        for (int axis = 0; axis < 3; ++axis)
+          corner[axis] = std::stod(fmt::format("{:.{}g}", corner[axis], input == &text ? 9 : 17));
+  const auto isExact = [](const InputFace& face) {
+    return std::ranges::all_of(face.corners, [](const glm::dvec3& p) { return glm::dvec3(glm::vec3(p)) == p; });
+  };
+  EXPECT_FALSE(std::ranges::all_of(text.faces, isExact));
+  EXPECT_EQ(countWith(buildScene(text), "come in steps of 0.062"), 1u) << all(buildScene(text));
+  EXPECT_EQ(countWith(buildScene(all_digits), "come in steps of"), 0u);
   InputScene whole = named("whole metres");  // whole numbers are exact in single precision
   for (int k = 0; k < 20; ++k)
     ts::addBox(whole, "box", {4.5e6 + 4 * k, 5.1e5, 0}, {4.5e6 + 4 * k + 2, 5.1e5 + 3, 5}, false);
