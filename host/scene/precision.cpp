@@ -13,14 +13,12 @@ constexpr double kCoarse = 16;      // steps of rounding in an edge that is long
 constexpr double kFewEdges = 0.01;  // share of edges that may be shorter
 constexpr double kUsedSteps = 0.1;  // least share of large coordinates on odd steps; below it the numbers are round
 
-// Returns whether all coordinates are numbers in single precision. Text gives them nine digits, and is off by at most
-// 5e-9 of the number. Other numbers are off by up to 6e-8 of themselves, and as near as this once in six times or less.
-bool isSingle(const InputScene& input) {
-  constexpr double kNineDigits = 5e-9;
+// Returns whether all coordinates are numbers in single precision, up to this share of themselves.
+bool isSingle(const InputScene& input, double allowed) {
   for (const InputFace& face : input.faces)
     for (const glm::dvec3& corner : face.corners)
       for (int axis = 0; axis < 3; ++axis)
-        if (std::abs(double(float(corner[axis])) - corner[axis]) > kNineDigits * std::abs(corner[axis])) return false;
+        if (std::abs(double(float(corner[axis])) - corner[axis]) > allowed * std::abs(corner[axis])) return false;
   return true;
 }
 
@@ -34,11 +32,13 @@ double largestOf(const InputScene& input) {
 
 }  // namespace
 
-double roundingOf(const InputScene& input) { return 4 * largestOf(input) * (isSingle(input) ? 0x1p-24 : 0x1p-53); }
+double roundingOf(const InputScene& input) { return 4 * largestOf(input) * (isSingle(input, 0) ? 0x1p-24 : 0x1p-53); }
 
 std::string describeCoarseSteps(const InputScene& input) {
+  // Text writes a number in single precision with nine digits, and so moves it by at most this share of itself.
+  constexpr double kNineDigits = 5e-9;
   const double largest = largestOf(input);
-  if (largest == 0 || !isSingle(input)) return "";
+  if (largest == 0 || !isSingle(input, kNineDigits)) return "";
   const double step = std::ldexp(1.0, std::ilogb(largest) - 23);  // step between floats of this size
   uint64_t edges = 0, coarse = 0, large = 0, odd = 0;
   double shortest = INFINITY;

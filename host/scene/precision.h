@@ -7,7 +7,8 @@
 namespace viewpeel {
 
 // Returns a bound on the distance by which rounding has moved corners, input units. It is a few units in the last place
-// of the largest coordinate, in single or double precision, whichever the coordinates have.    Cost: O(corners).
+// of the largest coordinate: in single precision where all coordinates are exactly such numbers, else in double
+// precision.    Cost: O(corners).
 double roundingOf(const InputScene& input);
 
 // Returns a warning where coordinates in single precision lie so far from the origin that the steps between them are
