@@ -68,7 +68,7 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
   startGroup(command, kLongRuns);
   addCheckpointOptions(command, options->checkpoint);
   startGroup(command, kOutput);
-  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* quiet = command->add_flag("-q,--quiet", options->quiet, "Print nothing but errors and warnings");
   CLI::Option* verbose =
       command->add_flag("--verbose", options->verbose, "Print how work and memory are divided, too")->excludes(quiet);
   command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet)->excludes(verbose);

@@ -120,7 +120,7 @@ void addMerge(CLI::App& app, Run& chosen) {
       ->add_flag("--resume", options->resume,
                  "Add to what the file of --checkpoint holds; write it where there is none")
       ->needs(command->get_option("--checkpoint"));
-  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  CLI::Option* quiet = command->add_flag("-q,--quiet", options->quiet, "Print nothing but errors");
   command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, command, &chosen] {
     settleOutputs(command, options->output);

@@ -2,42 +2,13 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <numeric>
 
 #include <fmt/format.h>
 
+#include "scene/nearest_word.h"
+
 namespace viewpeel::program {
 namespace {
-
-// Returns how many letters have to be inserted, deleted or changed (V. Levenshtein, Binary codes capable of correcting
-// deletions, insertions, and reversals, 1966). The letters - and _ count as equal.
-size_t distanceOf(const std::string& a, const std::string& b) {
-  const auto areSame = [](char x, char y) { return x == y || (x == '-' && y == '_') || (x == '_' && y == '-'); };
-  std::vector<size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), size_t(0));
-  for (size_t i = 0; i < a.size(); ++i) {
-    size_t diagonal = std::exchange(row[0], i + 1);
-    for (size_t j = 0; j < b.size(); ++j) {
-      const size_t changed = diagonal + (areSame(a[i], b[j]) ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-// Returns the word that begins with `given`, or the nearest word if at most a third of its letters differ.
-std::optional<std::string> nearestOf(const std::string& given, const std::vector<std::string>& words) {
-  std::optional<std::string> nearest;
-  size_t least = given.size() / 3 + 1;
-  for (const std::string& word : words) {
-    const size_t distance = given.size() > 3 && word.starts_with(given) ? 1 : distanceOf(given, word);
-    if (distance >= least) continue;
-    least = distance;
-    nearest = word;
-  }
-  return nearest;
-}
 
 std::vector<std::string> commandsOf(const CLI::App& app) {
   std::vector<std::string> names;
@@ -88,7 +59,7 @@ std::string describeMistake(const CLI::App& app, const std::vector<std::string>&
     const std::string list = fmt::format("{}", fmt::join(commandsOf(app), ", "));
     if (arguments.empty() || arguments[0].starts_with("-"))
       return fmt::format("{}; name one of {}; see 'viewpeel --help'", error.what(), list);
-    const std::optional<std::string> nearest = nearestOf(arguments[0], commandsOf(app));
+    const std::optional<std::string> nearest = nearestWord(arguments[0], commandsOf(app));
     return fmt::format("'{}' is neither a command nor a file{}; commands are {}; see 'viewpeel --help'", arguments[0],
                        suggest(nearest), list);
   }
@@ -96,7 +67,7 @@ std::string describeMistake(const CLI::App& app, const std::vector<std::string>&
   const std::string help = fmt::format("; see 'viewpeel {} --help'", command.get_name());
   if (dynamic_cast<const CLI::ExtrasError*>(&error)) {
     if (const std::string option = unknownOption(command, arguments); !option.empty())
-      return fmt::format("there is no option {}{}{}", option, suggest(nearestOf(option, optionsOf(command))), help);
+      return fmt::format("there is no option {}{}{}", option, suggest(nearestWord(option, optionsOf(command))), help);
     std::vector<std::string> extra = app.remaining(true);
     return fmt::format("'{}' is not expected{}", extra.empty() ? "" : extra.front(), help);
   }

@@ -48,7 +48,7 @@ void addReport(CLI::App& app, Run& chosen) {
   command->add_option("RESULT", options->result, "File .h5 that compute, solve or merge wrote")->required();
   startGroup(command, kOutput);
   command->add_option("-o,--output", options->output, "Write the page: .html")->type_name("FILE")->required();
-  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors");
+  CLI::Option* quiet = command->add_flag("-q,--quiet", options->quiet, "Print nothing but errors");
   command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, &chosen] { chosen = [options] { return runReport(*options); }; });
 }

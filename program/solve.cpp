@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <map>
@@ -112,8 +113,22 @@ void printJson(const SolveCommand& command, const HeatSolution& heat, const Form
   printReport(std::move(report), OutputContent{form_factors});
 }
 
+// Warns of temperatures that look like degrees Celsius: the highest of all is above 0 and below 100 K.
+void warnOfCelsius(const MaterialTable& table) {
+  constexpr double kBoiling = 100;  // degrees Celsius; rooms, cities and spacecraft are warmer in kelvins
+  double highest = table.environment_temperature.value_or(0);
+  if (const auto& parts = table.sky_and_ground) highest = std::max(parts->up, parts->down);
+  for (const MaterialTable::Line& line : table.lines)
+    highest = std::max(highest, line.material.temperature.value_or(0));
+  if (highest > 0 && highest < kBoiling)
+    warn(fmt::format(
+        "{}: no temperature is above {} K; temperatures are in kelvins, and 20 degrees Celsius are 293.15 K",
+        table.file, highest));
+}
+
 MaterialTable readTable(const SolveCommand& command) {
   MaterialTable table = readMaterials(command.materials);
+  warnOfCelsius(table);
   if (command.up && !table.sky_and_ground)
     throw Error(ErrorCode::bad_usage,
                 fmt::format("--up: {} has neither environment:up nor environment:down; leave out --up, or give them "
@@ -356,7 +371,7 @@ void addSolve(CLI::App& app, Run& chosen, Job& job) {
   addThreadsOption(command);
   addComputing(command, *options);
   startGroup(command, kOutput);
-  CLI::Option* quiet = command->add_flag("--quiet", options->quiet, "Print nothing but errors and warnings");
+  CLI::Option* quiet = command->add_flag("-q,--quiet", options->quiet, "Print nothing but errors and warnings");
   command->add_flag("--json", options->json, kJsonHelp)->excludes(quiet);
   command->callback([options, &chosen, &job] {
     options->request.ranks = job.ranks;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "scene/face_names.h"
 
 namespace viewpeel {
 
@@ -51,12 +52,11 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name) 
       found.push_back(k);
   }
   if (found.empty()) {
-    std::string some_names;
-    for (size_t k = 0; k < std::min<size_t>(scene.surfaces.size(), 5); ++k)
-      some_names += fmt::format("{}{}", k ? ", " : "", scene.surfaces[k].name);
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("{}: no surface or face is called '{}'; surfaces are {}{}", scene.file, name, some_names,
-                            scene.surfaces.size() > 5 ? ", ..." : ""));
+    std::vector<std::string> names;
+    std::vector<uint32_t> counts;
+    for (const Surface& surface : scene.surfaces) names.push_back(surface.name), counts.push_back(surface.face_count);
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: no surface or face is called '{}'; {}", scene.file, name,
+                                                  explainUnknownName(name, names, counts)));
   }
   return found;
 }

@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "scene/nearest_word.h"
 
 namespace viewpeel {
 namespace {
@@ -44,6 +45,23 @@ std::vector<uint32_t> countFaces(const InputScene& input) {
 
 }  // namespace
 
+std::string explainUnknownName(const std::string& name, const std::vector<std::string>& surfaces,
+                               const std::vector<uint32_t>& face_counts) {
+  constexpr size_t kMostNamed = 5;
+  const auto at = std::ranges::find(surfaces, surfaceOfName(name));
+  if (at != surfaces.end() && !face_counts.empty()) {
+    const uint32_t count = face_counts[static_cast<size_t>(at - surfaces.begin())];
+    return count == 1 ? fmt::format("'{}' has one face, which has its name", *at)
+                      : fmt::format("'{0}' has {1} faces, '{0}[1]' to '{0}[{1}]'", *at, count);
+  }
+  std::string some;
+  for (size_t k = 0; k < std::min(surfaces.size(), kMostNamed); ++k)
+    some += fmt::format("{}{}", k ? ", " : "", surfaces[k]);
+  const std::optional<std::string> nearest = nearestWord(name, surfaces);
+  return fmt::format("{}surfaces are {}{}", nearest ? fmt::format("did you mean '{}'? ", *nearest) : "", some,
+                     surfaces.size() > kMostNamed ? ", ..." : "");
+}
+
 std::string surfaceOfName(const std::string& name) {
   const std::optional<NumberedName> parts = splitName(name);
   return parts ? parts->surface : name;
@@ -65,9 +83,8 @@ std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name
       found.push_back(k);
   }
   if (found.empty())
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("{}: {} has no surface or face '{}'; name one of them, as desk or desk[3]", option,
-                            input.file, name));
+    throw Error(ErrorCode::bad_usage, fmt::format("{}: {} has no surface or face '{}'; {}", option, input.file, name,
+                                                  explainUnknownName(name, input.surface_names, countFaces(input))));
   return found;
 }
 

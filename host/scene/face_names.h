@@ -14,6 +14,12 @@ namespace viewpeel {
 //   Throws: Error bad_usage where nothing has this name.    Cost: O(faces).
 std::vector<uint32_t> findFaces(const InputScene& input, const std::string& name, const char* option);
 
+// Says what an unknown name might have been meant to be: how many faces its surface has, or the nearest surface; and
+// which surfaces there are.
+//   In: surfaces: their names; face_counts: of each surface; empty where unknown
+std::string explainUnknownName(const std::string& name, const std::vector<std::string>& surfaces,
+                               const std::vector<uint32_t>& face_counts);
+
 // Returns the name of the surface in the name of a face: "desk" for "desk[3]". Any other name is returned unchanged.
 //   Cost: O(length).
 std::string surfaceOfName(const std::string& name);

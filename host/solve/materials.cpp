@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "io/csv.h"
+#include "scene/face_names.h"
 #include "scene/words.h"
 #include <viewpeel/error.h>
 
@@ -111,13 +112,10 @@ Enclosure assignMaterials(const MaterialTable& table, const Ids& ids, const std:
   if (const Line* unused = finder.firstUnused()) {
     const bool has_wildcard = hasWildcard(unused->name);
     const bool is_face = !has_wildcard && unused->name.ends_with(']') && ids.names == surface_names;
-    std::string some;
-    for (size_t k = 0; k < std::min<size_t>(surface_names.size(), 5); ++k)
-      some += fmt::format("{}{}", k ? ", " : "", surface_names[k]);
-    refuse(unused->line, fmt::format("no surface or face {} '{}'{}; surfaces are {}{}",
-                                     has_wildcard ? "fits" : "is called", printable(unused->name),
-                                     is_face ? " (rows are surfaces: faces have rows with --by polygon)" : "", some,
-                                     surface_names.size() > 5 ? ", ..." : ""));
+    refuse(unused->line,
+           fmt::format("no surface or face {} '{}'{}; {}", has_wildcard ? "fits" : "is called", printable(unused->name),
+                       is_face ? " (rows are surfaces: faces have rows with --by polygon)" : "",
+                       explainUnknownName(unused->name, surface_names, {})));
   }
   return enclosure;
 }

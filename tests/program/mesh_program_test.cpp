@@ -155,9 +155,13 @@ TEST_F(Program, ABoxWithItsNormalsOutwardIsSaidAndTurned) {
     flips += std::string(" --flip ") + wall;
   EXPECT_EQ(run("compute " + file("out.obj") + lattice + flips + " -o " + file("flipped.csv")).output, "");
   EXPECT_EQ(readFile(file("flipped.csv")), readFile(file("fixed.csv")));
-  EXPECT_EQ(run("compute " + file("out.obj") + lattice + "--flip wall").output,
-            "viewpeel: --flip: " + file("out.obj") +
-                " has no surface or face 'wall'; name one of them, as desk or desk[3]\n");
+  const auto flip = [&](const std::string& name) {
+    return run("compute " + file("out.obj") + lattice + "--flip '" + name + "'").output;
+  };
+  const std::string refusal = "viewpeel: --flip: " + file("out.obj") + " has no surface or face ";
+  EXPECT_EQ(flip("wall").find(refusal + "'wall'; surfaces are "), 0u) << flip("wall");
+  EXPECT_EQ(flip("ceilng").find(refusal + "'ceilng'; did you mean 'ceiling'? surfaces are "), 0u) << flip("ceilng");
+  EXPECT_EQ(flip("west[2]"), refusal + "'west[2]'; 'west' has one face, which has its name\n");
 }
 
 // `check` names the flipped surface and the surfaces that see its back, before it counts. Checkpoints keep --flip: a

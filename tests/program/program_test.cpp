@@ -216,6 +216,8 @@ TEST_F(Program, BadUsageAndInputEndWithOneLineAndStatus2) {
       {plates + "--balance --blocker lower", "--blocker"},
       {plates + "--balance -o " + file("a.balanced.mtx"), ".balanced.mtx"},
       {plates + "--no-such-option", "--no-such-option"},
+      {"compute " VIEWPEEL_SCENES "/office.obj --from 'desk[99]'", "'desk' has 30 faces, 'desk[1]' to 'desk[30]'"},
+      {plates + "--from uper", "did you mean 'upper'?"},
       {plates + "-o " + file("a.xyz"), ".csv, .mtx, .npz"},
       {"compute " VIEWPEEL_SCENES "/office.obj --quiet --epsilon 1e-9", "epsilon"},
       {plates + "--epsilon 0.1 --resolution 64 --range 3", "--range"},

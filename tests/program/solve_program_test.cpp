@@ -223,6 +223,18 @@ TEST_F(SolveProgram, DirectionalEmissivities) {
   refuse("surface,emissivity,temperature,heat_flux,directional,directional\na,1,300,,,\n", "'directional' twice");
 }
 
+// 20 degrees in place of 293.15 K are warned of. A hot surface among cold ones, or an environment of 3 K, is not.
+TEST_F(SolveProgram, DegreesCelsiusAreNoticed) {
+  const std::string warning = "m.csv: no temperature is above 40 K; temperatures are in kelvins";
+  const auto solve = [&](const std::string& lines) {
+    return run("solve " + kPlates + " -q --materials " + write("m.csv", kHeader + lines)).output;
+  };
+  EXPECT_NE(solve("lower,0.9,40,\nupper,0.9,20,\nenvironment,,5,\n").find(warning), std::string::npos);
+  EXPECT_EQ(solve("lower,0.9,400,\nupper,0.9,20,\nenvironment,,5,\n"), "");
+  EXPECT_EQ(solve("default,0.9,300,\nenvironment,,2.7,\n"), "");
+  EXPECT_EQ(solve("default,0.9,,5\nenvironment,,0,\n"), "");
+}
+
 TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   const auto refuse = [&](const std::string& lines, const std::string& part) {
     expectRefusal(
@@ -234,7 +246,7 @@ TEST_F(SolveProgram, MistakesAreRefusedInOneLine) {
   refuse("default,0.5,300,5\n", "m.csv:2: 'default' has both temperature and heat_flux");
   refuse("default,0.5,,\n", "m.csv:2: 'default' has neither temperature nor heat_flux");
   refuse("default,0.5,,adiabatic\n", "m.csv: no temperature is given to refer to");
-  refuse("default,0.5,300,\nceilng,0.5,300,\n", "m.csv:3: no surface or face is called 'ceilng'");
+  refuse("default,0.5,300,\nceilng,0.5,300,\n", "m.csv:3: no surface or face is called 'ceilng'; surfaces are");
   refuse("default,0.5,300,\nenvironment:up,,250,\n", "'environment:up' has a temperature and 'environment:down' none");
   // A face that looks the wrong way lets radiation out, and shows its back.
   std::string cube = readFile(kCube);
