@@ -1,8 +1,8 @@
 // writeCsv() writes each nonzero form factor as a line of comma-separated values.
-#include <fmt/ostream.h>
+#include <fmt/compile.h>
 
 #include "io/csv.h"
-#include "io/each_entry.h"
+#include "io/entry_rows.h"
 #include "io/guesses.h"
 #include "io/writers.h"
 #include <viewpeel/environment.h>
@@ -16,34 +16,40 @@ void writeCsv(const FormFactors& form_factors, std::ostream& out, const FormFact
 
 void writeCsv(const OutputContent& content, std::ostream& out) {
   const FormFactors& form_factors = content.form_factors;
-  const auto& names = form_factors.ids().names;
   const bool has_intervals = form_factors.hasIntervals(), has_guesses = hasGuesses(content);
   out << "from,to,form_factor,standard_error" << (has_intervals ? ",lower,upper" : "");
   if (has_guesses) out << ",is_guess";
   if (content.balanced) out << ',' << content.balanced_column;
   out << '\n';
-  // The parts of the environment, up and down, have no balanced form factors, for only closed scenes are balanced.
-  const auto printPart = [&](uint32_t i, const char* name, const Measured& f, const std::vector<Interval>& intervals) {
-    if (f.value == 0 && f.standard_error == 0) return;
-    fmt::print(out, "{},{},{},{}{}{}{}\n", quoteName(names[i]), name, f.value, f.standard_error,
-               !has_intervals      ? ""
-               : intervals.empty() ? ",,"
-                                   : fmt::format(",{},{}", intervals[i].lower, intervals[i].upper),
-               has_guesses ? ",0" : "", content.balanced ? "," : "");
+  std::vector<std::string> names;
+  for (const std::string& name : form_factors.ids().names) names.push_back(quoteName(name));
+  const auto add = [](fmt::memory_buffer& text, const auto& format, const auto&... values) {
+    fmt::format_to(fmt::appender(text), format, values...);
   };
-  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
-    const std::string to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : quoteName(names[j]);
-    fmt::print(out, "{},{},{},{}", quoteName(names[i]), to, f.value, f.standard_error);
+  // The parts of the environment, up and down, have no balanced form factors, for only closed scenes are balanced.
+  const auto printPart = [&](fmt::memory_buffer& text, uint32_t i, const char* name, const Measured& f,
+                             const std::vector<Interval>& intervals) {
+    if (f.value == 0 && f.standard_error == 0) return;
+    add(text, FMT_COMPILE("{},{},{},{}"), names[i], name, f.value, f.standard_error);
+    if (!intervals.empty()) add(text, FMT_COMPILE(",{},{}"), intervals[i].lower, intervals[i].upper);
+    else if (has_intervals) add(text, FMT_COMPILE(",,"));
+    add(text, FMT_COMPILE("{}{}\n"), has_guesses ? ",0" : "", content.balanced ? "," : "");
+  };
+  const EntryRows rows(form_factors);
+  printEntries(rows, form_factors.ids().count(), out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
+    const auto& [i, j, f, pair] = entry;
+    const std::string_view to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : std::string_view(names[j]);
+    add(text, FMT_COMPILE("{},{},{},{}"), names[i], to, f.value, f.standard_error);
     if (has_intervals) {
-      const Interval interval = form_factors.interval(i, j);
-      fmt::print(out, ",{},{}", interval.lower, interval.upper);
+      const Interval interval = rows.intervalOf(entry);
+      add(text, FMT_COMPILE(",{},{}"), interval.lower, interval.upper);
     }
-    if (has_guesses) out << (isGuess(content, i, j) ? ",1" : ",0");
-    if (content.balanced) fmt::print(out, ",{}", content.balanced->formFactor(i, j).value);
-    out << '\n';
+    if (has_guesses) add(text, FMT_COMPILE(",{}"), isGuess(content, i, j) ? 1 : 0);
+    if (content.balanced) add(text, FMT_COMPILE(",{}"), content.balanced->formFactor(i, j).value);
+    add(text, FMT_COMPILE("\n"));
     if (j != kEnvironment || !content.parts) return;
-    printPart(i, "environment:up", content.parts->up[i], content.parts->up_intervals);
-    printPart(i, "environment:down", content.parts->down[i], content.parts->down_intervals);
+    printPart(text, i, "environment:up", content.parts->up[i], content.parts->up_intervals);
+    printPart(text, i, "environment:down", content.parts->down[i], content.parts->down_intervals);
   });
 }
 

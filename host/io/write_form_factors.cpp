@@ -2,10 +2,11 @@
 
 #include <array>
 
+#include <fmt/compile.h>
 #include <fmt/ostream.h>
 
 #include <viewpeel/error.h>
-#include "io/each_entry.h"
+#include "io/entry_rows.h"
 #include "io/shown_rows.h"
 #include "io/write_file.h"
 #include "io/writers.h"
@@ -109,7 +110,9 @@ void requireContent(const std::filesystem::path& file, bool has_scene) {
 void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const char* what) {
   const Ids& ids = form_factors.ids();
   uint64_t nonzeros = 0;
-  forEachEntry(form_factors, [&](uint32_t, uint32_t j, const Measured&) { nonzeros += j < kEnvironment; });
+  const EntryRows entries(form_factors);
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    entries.forEachOf(i, [&](const RowEntry& entry) { nonzeros += entry.j < kEnvironment; });
   fmt::print(out,
              "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n"
              "% rows and columns stand in the order of the scene file's faces, or with --by surface of its surfaces\n",
@@ -127,8 +130,10 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   }
   writeEmptyBefore(ids.rowCount());
   fmt::print(out, "{} {} {}\n", ids.rowCount(), ids.rowCount(), nonzeros);
-  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
-    if (j < kEnvironment) fmt::print(out, "{} {} {}\n", rows[i] + 1, rows[j] + 1, f.value);
+  printEntries(entries, ids.count(), out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
+    if (entry.j < kEnvironment)
+      fmt::format_to(fmt::appender(text), FMT_COMPILE("{} {} {}\n"), rows[entry.i] + 1, rows[entry.j] + 1,
+                     entry.form_factor.value);
   });
 }
 

@@ -8,7 +8,7 @@
 #include "io/guesses.h"
 #include "io/hdf5_file.h"
 #include "io/read_report.h"
-#include "io/each_entry.h"
+#include "io/entry_rows.h"
 #include "io/shown_rows.h"
 #include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
@@ -65,8 +65,8 @@ void addPairs(Hdf5Output& out, const SparseRows& rows, const OutputContent& cont
     }
   if (hasGuesses(content)) {
     std::vector<uint8_t> is_guess;
-    forEachEntry(content.form_factors, [&](uint32_t i, uint32_t j, const Measured&) {
-      if (j < kEnvironment) is_guess.push_back(isGuess(content, i, j));
+    forEachEntry(content.form_factors, [&](const RowEntry& entry) {
+      if (entry.j < kEnvironment) is_guess.push_back(isGuess(content, entry.i, entry.j));
     });
     out.write("is_guess", is_guess);
     of_pairs.push_back("is_guess");

@@ -4,7 +4,7 @@
 #include <fmt/ostream.h>
 #include <nlohmann/json.hpp>
 
-#include "io/each_entry.h"
+#include "io/entry_rows.h"
 #include "io/guesses.h"
 #include "io/writers.h"
 #include <viewpeel/drop_below.h>
@@ -83,19 +83,22 @@ void writeJsonMembers(const OutputContent& content, std::ostream& out) {
              balanced ? ", \"balanced_form_factor\"" : "");
   const std::vector<uint32_t> rows = form_factors.ids().rows();
   const char* separator = "\n";
-  forEachEntry(form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
+  const EntryRows entries(form_factors);
+  const auto print = [&](const RowEntry& entry) {
+    const auto& [i, j, f, pair] = entry;
     if (j >= kEnvironment) return;
     fmt::print(out, "{}      [{}, {}, {}, {}", separator, rows[i], rows[j], numberOf(f.value),
                numberOf(f.standard_error));
     if (has_intervals) {
-      const Interval interval = form_factors.interval(i, j);
+      const Interval interval = entries.intervalOf(entry);
       fmt::print(out, ", {}, {}", interval.lower, interval.upper);
     }
     if (has_guesses) out << (isGuess(content, i, j) ? ", true" : ", false");
     if (balanced) fmt::print(out, ", {}", balanced->formFactor(i, j).value);
     out << "]";
     separator = ",\n";
-  });
+  };
+  for (uint32_t i = 0; i < form_factors.ids().count(); ++i) entries.forEachOf(i, print);
   out << "\n    ]\n  }";
 }
 

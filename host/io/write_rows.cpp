@@ -4,7 +4,7 @@
 #include <fmt/ostream.h>
 
 #include "io/csv.h"
-#include "io/each_entry.h"
+#include "io/entry_rows.h"
 #include "io/guesses.h"
 #include "io/writers.h"
 #include <viewpeel/drop_below.h>
@@ -21,9 +21,10 @@ struct RowFigures {
 
 std::vector<RowFigures> figuresOf(const OutputContent& content) {
   std::vector<RowFigures> figures(content.form_factors.ids().count());
-  forEachEntry(content.form_factors, [&](uint32_t i, uint32_t j, const Measured& f) {
-    figures[i].largest_standard_error = std::max(figures[i].largest_standard_error, f.standard_error);
-    if (isGuess(content, i, j)) figures[i].guessed += f.value;
+  forEachEntry(content.form_factors, [&](const RowEntry& entry) {
+    RowFigures& row = figures[entry.i];
+    row.largest_standard_error = std::max(row.largest_standard_error, entry.form_factor.standard_error);
+    if (isGuess(content, entry.i, entry.j)) row.guessed += entry.form_factor.value;
   });
   return figures;
 }

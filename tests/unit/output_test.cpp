@@ -3,11 +3,13 @@
 #include <memory>
 #include <sstream>
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <viewpeel/error.h>
 #include "io/write_file.h"
 #include <viewpeel/write.h>
+#include "tests/support/random_form_factors.h"
 
 namespace viewpeel {
 namespace {
@@ -60,6 +62,39 @@ TEST(Output, BalancedFormFactorsAreAColumnMore) {
   EXPECT_EQ(lines[0].substr(lines[0].rfind(',')), ",balanced_form_factor");
   EXPECT_EQ(std::stod(lines[2].substr(lines[2].rfind(',') + 1)), 0.3 / 3);
   EXPECT_EQ(std::stod(lines[3].substr(lines[3].rfind(',') + 1)), 0.3 / 0.7);
+}
+
+// Threads print the rows of large results in parts. All lines are there, in the order of rows and columns, and each has
+// the numbers that a lookup gives.
+TEST(Output, LargeResultsAreWrittenInOrder) {
+  constexpr uint32_t kCount = 400;  // 113,000 entries, more than all threads print at once
+  Ids ids;
+  for (uint32_t i = 0; i < kCount; ++i) {
+    ids.names.push_back(fmt::format("a[{}]", i + 1));
+    ids.areas.push_back(0.1 + 0.01 * i);
+    ids.surface.push_back(0);
+    ids.requested.push_back(i % 7 != 0);
+  }
+  const FormFactors random = randomFormFactors(ids, 5, 0.7);
+  std::vector<Interval> intervals;
+  for (const FormFactors::Entry& entry : random.entries())
+    intervals.push_back({0.9 * entry.exchange_area.value, 1.2 * entry.exchange_area.value});
+  const FormFactors f(ids, random.entries(), random.rowSums(), intervals);
+  std::string expected = "from,to,form_factor,standard_error,lower,upper\n";
+  for (uint32_t i = 0; i < kCount; ++i)
+    for (uint32_t k = 0; ids.requested[i] && k < kCount + 2; ++k) {
+      const uint32_t j = k < kCount ? k : k == kCount ? kEnvironment : kLeak;
+      const Measured value = f.formFactor(i, j);
+      if (value.value == 0) continue;
+      expected += fmt::format("{},{},{},{},{},{}\n", ids.names[i],
+                              j == kEnvironment ? "environment"
+                              : j == kLeak      ? "leak"
+                                                : ids.names[j],
+                              value.value, value.standard_error, f.interval(i, j).lower, f.interval(i, j).upper);
+    }
+  std::ostringstream out;
+  writeCsv(f, out);
+  EXPECT_TRUE(out.str() == expected);
 }
 
 // Numbers in text are read back as the same doubles.

@@ -1,0 +1,72 @@
+// EntryRows reads nonzero form factors row by row, as writers of files need them.
+#pragma once
+#include <cstdint>
+#include <functional>
+#include <ostream>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include <viewpeel/form_factors.h>
+
+namespace viewpeel {
+
+// A RowEntry is a nonzero form factor F_ij in row i.
+struct RowEntry {
+  uint32_t i, j;  // j may be kEnvironment or kLeak
+  Measured form_factor;
+  size_t pair;  // index in FormFactors::entries(); F_ij and F_ji have the same
+};
+
+// EntryRows holds n rows of nonzero form factors. It stores 8 bytes a pair, and refers to the form factors for the rest.
+class EntryRows {
+ public:
+  // In: form_factors: n ids; must live as long as the rows    Cost: O(pairs + n).
+  explicit EntryRows(const FormFactors& form_factors);
+
+  // Returns the number of entries of row i. It is 0 for rows that were not requested.
+  size_t countOf(uint32_t i) const {
+    return is_requested_[i] ? mirrored_starts_[i + 1] - mirrored_starts_[i] + starts_[i + 1] - starts_[i] : 0;
+  }
+  // Calls use(RowEntry) for each entry of row i in the order of columns; environment and leak come last.
+  template <class Use>
+  void forEachOf(uint32_t i, const Use& use) const {
+    if (!is_requested_[i]) return;
+    const double area = form_factors_.ids().areas[i];
+    const auto call = [&](uint32_t j, size_t pair) {
+      const Measured& exchange = form_factors_.entries()[pair].exchange_area;
+      use(RowEntry{i, j, {exchange.value / area, exchange.standard_error / area}, pair});
+    };
+    for (size_t k = mirrored_starts_[i]; k < mirrored_starts_[i + 1]; ++k)
+      call(form_factors_.entries()[mirrored_[k]].i, mirrored_[k]);
+    for (size_t pair = starts_[i]; pair < starts_[i + 1]; ++pair) call(form_factors_.entries()[pair].j, pair);
+  }
+  // Returns the interval of an entry's form factor, where a guarantee gives intervals.
+  Interval intervalOf(const RowEntry& entry) const {
+    const double area = form_factors_.ids().areas[entry.i];
+    const Interval& exchange = form_factors_.intervals()[entry.pair];
+    return {exchange.lower / area, exchange.upper / area};
+  }
+
+ private:
+  const FormFactors& form_factors_;
+  std::vector<uint8_t> is_requested_;    // [n]
+  std::vector<size_t> starts_;           // [n + 1]; first pair (i, j) of row i, i <= j
+  std::vector<size_t> mirrored_starts_;  // [n + 1]; first of row i in mirrored_
+  std::vector<size_t> mirrored_;         // pairs (j, i) of row i, j < i
+};
+
+// Calls use(RowEntry) for each nonzero entry of the requested rows, row by row.
+//   Cost: O(pairs) work, and 8 bytes of memory a pair.
+template <class Use>
+void forEachEntry(const FormFactors& form_factors, const Use& use) {
+  const EntryRows rows(form_factors);
+  for (uint32_t i = 0; i < form_factors.ids().count(); ++i) rows.forEachOf(i, use);
+}
+
+// Writes the text of each nonzero entry of the requested rows, row by row. All threads make the texts of some rows each.
+//   In: print(entry, text): appends to the text; threads call it at the same time    Cost: O(pairs).
+void printEntries(const EntryRows& rows, uint32_t count, std::ostream& out,
+                  const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print);
+
+}  // namespace viewpeel
