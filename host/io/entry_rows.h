@@ -18,7 +18,7 @@ struct RowEntry {
   size_t pair;  // index in FormFactors::entries(); F_ij and F_ji have the same
 };
 
-// EntryRows holds n rows of nonzero form factors. It stores 8 bytes a pair, and refers to the form factors for the rest.
+// EntryRows holds n rows of nonzero form factors. It stores 8 bytes a pair, and reads the values from the form factors.
 class EntryRows {
  public:
   // In: form_factors: n ids; must live as long as the rows    Cost: O(pairs + n).
@@ -64,7 +64,7 @@ void forEachEntry(const FormFactors& form_factors, const Use& use) {
   for (uint32_t i = 0; i < form_factors.ids().count(); ++i) rows.forEachOf(i, use);
 }
 
-// Writes the text of each nonzero entry of the requested rows, row by row. All threads make the texts of some rows each.
+// Writes the text of each nonzero entry of the requested rows, row by row. All threads make texts, each of some rows.
 //   In: print(entry, text): appends to the text; threads call it at the same time    Cost: O(pairs).
 void printEntries(const EntryRows& rows, uint32_t count, std::ostream& out,
                   const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print);
