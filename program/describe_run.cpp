@@ -149,8 +149,16 @@ std::string describePlan(const FormFactorRun& run) {
   const PlanSummary& plan = run.plan();
   if (plan.guarantee) return describeGuarantee(request, plan);
   if (plan.line_guarantee) return describeLineGuarantee(request, plan);
+  const auto* tolerance = std::get_if<Tolerance>(&request.goal);
   const std::string goal =
-      plan.no_promise.empty() ? "" : fmt::format("goal       an estimate, no promise: {}\n", plan.no_promise);
+      plan.no_promise.empty()
+          ? ""
+          : fmt::format("goal       an estimate{}, no promise: {}\n",
+                        tolerance
+                            ? fmt::format(", {} {}", plan.pair_lines ? "largest error about" : "standard errors up to",
+                                          tolerance->standard_error)
+                            : "",
+                        plan.no_promise);
   if (plan.pair_lines) return goal + describePairLines(*plan.pair_lines, plan, request.seed);
   const std::string no_lines =
       plan.no_pair_lines.empty() ? "" : fmt::format("pairs      no lines of their own: {}\n", plan.no_pair_lines);

@@ -45,13 +45,14 @@ bool FormFactorRun::State::planPromise() {
   setup.promise(is_open);
   try {
     if (leaked_share > kGrazedPart * tolerance)
-      throw Error(ErrorCode::limit, fmt::format("{:.1e} of a row's radiation ends on backs of polygons", leaked_share));
+      throw Error(ErrorCode::limit,
+                  fmt::format("{:.2g} % of a row's radiation ends on backs of polygons", 100 * leaked_share));
     makeLineGuarantee();
     const LineGuaranteeFigures& figures = line_guarantee->figures();
     if (!setup.request().promise && !isWorthPromise(figures.cost, figures.estimate_cost))
       throw Error(
           ErrorCode::limit,
-          fmt::format("it would cost {:.2g} times as much as an estimate, {} of CPU time in place of {}",
+          fmt::format("a promise would cost {:.2g} times as much, {} of CPU time in place of {}",
                       figures.cost / figures.estimate_cost, inWords(figures.cost), inWords(figures.estimate_cost)));
   } catch (const Error& error) {
     takeBackPromise();

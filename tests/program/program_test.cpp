@@ -107,7 +107,7 @@ TEST_F(Program, SaysWhetherATolerancePromises) {
   const std::string street = "compute " VIEWPEEL_SCENES "/street.obj -o " + file("s.csv") + " --tolerance ";
   const std::string promise =
                         "\ngoal       a promise: every form factor, environment too, within 0.01 with probability 0.99",
-                    estimate = "\ngoal       an estimate, no promise: ";
+                    estimate = "\ngoal       an estimate, largest error about ";
   const auto expect = [&](const std::string& options, const std::string& line, bool has_intervals) {
     const Result r = run(street + options);
     EXPECT_EQ(r.status, 0) << r.output;
@@ -117,11 +117,12 @@ TEST_F(Program, SaysWhetherATolerancePromises) {
   };
   expect("1e-2", promise, true);
   expect("1e-2 --json", "\n  \"guarantee\": {\n    \"epsilon\": 0.01,\n    \"delta\": 0.01,", true);
-  expect("3e-4", estimate + "it would cost ", false);
-  expect("3e-4 --json", "\"no_promise\": \"it would cost ", false);
-  expect("1e-2 --promise off", estimate + "--promise off", false);
-  expect("1e-2 --replicates 8", estimate + "--promise off, --replicates", false);
-  expect("1e-2 --checkpoint " + file("s.h5"), estimate + "--promise off, --replicates or --checkpoint", false);
+  expect("3e-4", estimate + "0.0003, no promise: a promise would cost ", false);
+  expect("3e-4 --json", "\"no_promise\": \"a promise would cost ", false);
+  expect("1e-2 --promise off", estimate + "0.01, no promise: --promise off", false);
+  expect("1e-2 --replicates 8", estimate + "0.01, no promise: --promise off, --replicates", false);
+  expect("1e-2 --checkpoint " + file("s.h5"),
+         estimate + "0.01, no promise: --promise off, --replicates or --checkpoint", false);
   EXPECT_NE(run("plan " VIEWPEEL_SCENES "/street.obj --tolerance 1e-2").output.find(promise), std::string::npos);
   for (const char* against : {"--seconds 9", "--relative 0.1", "--sampler iid", "--replicates 9"}) {
     const Result r = run(street + "1e-2 --promise on " + against);
