@@ -1,5 +1,5 @@
 #!/usr/bin/env node
-// Measures how long a page of 20,000 polygons and 3.9 million form factors takes to load, and its frames a second.
+// Measures how long a page of 20,000 polygons and 4.2 million form factors takes to load, and its frames a second.
 //   bench/page.mjs [BUILD] [ROUNDS]      BUILD: a build with viewpeel_large_page, build/release by default
 // It prints a line a round: seconds from the call until the page can be used, and CPU seconds of all of Chromium's
 // processes meanwhile. Frames a second over two seconds, CPU milliseconds a frame, the pixels across and the machine's

@@ -1,6 +1,6 @@
 // This program writes large results: 20,000 polygons on a wavy field, 40 surfaces of 500, some hundred form factors a
 // row.
-//   viewpeel_large_page PAGE.html ROW.csv               3.9 million form factors, as many as pages are meant to have
+//   viewpeel_large_page PAGE.html ROW.csv               4.2 million form factors, as many as pages are meant to have
 //   viewpeel_large_page by-surface RESULT.h5 SUMS.csv   6.8 million, too many for a page, which shows surfaces instead
 //   viewpeel_large_page by-size RESULT.h5 ROW.csv       as many, each row a surface of its own
 // The values are invented, with A_i F_ij = A_j F_ji, for the page shows any values. The .csv has the entries of one
@@ -40,7 +40,7 @@ struct Reach {
   bool is_dense;  // else at growing distances
 
   int distance(int neighbour) const {
-    return is_dense || neighbour < 60 ? neighbour + 1 : 60 + (neighbour - 59) * (neighbour - 59) * 6;
+    return is_dense || neighbour < 70 ? neighbour + 1 : 70 + (neighbour - 69) * (neighbour - 69) * 6;
   }
 };
 
@@ -154,7 +154,7 @@ void writeSums(const ReportContent& content, const char* file) {
 int main(int argc, char** argv) {
   if (argc != 3 && argc != 4) return 2;
   if (argc == 3) {
-    ReportContent content = makeContent({110, false}, kRowsOfSurface, false);
+    ReportContent content = makeContent({114, false}, kRowsOfSurface, false);
     writeRow(content, argv[2]);
     fmt::print("{} form factors of {} polygons\n", content.to.size(), kRows);
     std::ofstream page(argv[1], std::ios::binary);

@@ -1,4 +1,4 @@
-// These tests check a page of 20,000 polygons and 3.9 million form factors, and what pages of 6.8 million leave out.
+// These tests check a page of 20,000 polygons and 4.2 million form factors, and what pages of 6.8 million leave out.
 import assert from 'node:assert/strict';
 import { execFileSync } from 'node:child_process';
 import { statSync } from 'node:fs';
