@@ -156,6 +156,13 @@ def occluded():
         yield Case("occluded", f"plate {side} at {height} in a cube: floor to ceiling", "derived", room | plate, "room.z0", "room.z1", forms.past_square(side, height))
         share = 2 * side * side / 6
         yield Case("occluded", f"plate {side} at {height} in a cube: room to itself", "reciprocity", room | plate, "room", "room", 1 - share)
+    # MOOSE's test analytical_with_obstruction.i. No line from the floor meets a wall above the plate, for 0.75 x 2 > 1.45.
+    # So all lines that the plate stops would end on the ceiling.
+    middle = (0.55, 1.45)
+    low_room = merged("room", box((0, 0, 0), (2, 2, 1), -1))
+    plate = {"plate.up": rectangle(middle, middle, 0.75, 1), "plate.down": rectangle(middle, middle, 0.75, -1)}
+    form = forms.equal_rectangles(2, 2, 1) - 0.9**2 / 4 * forms.parallel_rectangles(middle, middle, (0, 2), (0, 2), 0.75)
+    yield Case("occluded", "plate 0.9 at 0.75 in a room 2 x 2 x 1: floor to ceiling", "C-11, C-13", low_room | plate, "room.z0", "room.z1", form)
 
 
 def wall(x, z, y, towards):

@@ -1,8 +1,10 @@
 """These tests look at a Result: matrices, arrays, tables, pictures, files."""
 
 import base64
+import copy
 import json
 import os
+import pickle
 import re
 import tempfile
 import unittest
@@ -44,6 +46,14 @@ class Results(unittest.TestCase):
         data, before = result.form_factors.data, result.form_factors.data.copy()
         del result
         numpy.testing.assert_array_equal(data, before)
+
+    # A file stores F, and a result stores A F: the way there and back rounds twice, by 2^-53 of the value each.
+    def test_pickles_and_copies_are_results(self):
+        for made in (pickle.loads(pickle.dumps(self.result)), copy.deepcopy(self.result)):
+            self.assertEqual(made.names, self.result.names)
+            numpy.testing.assert_allclose(made.form_factors.toarray(), self.result.form_factors.toarray(), rtol=2**-52)
+            numpy.testing.assert_allclose(made.environment, self.result.environment, rtol=2**-52)
+            self.assertEqual(made.bounds is None, self.result.bounds is None)
 
     def test_exchange_areas_are_symmetric_to_the_bit(self):
         areas = self.result.exchange_areas

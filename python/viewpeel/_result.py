@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import html
 import os
+import tempfile
 from functools import cached_property
-from typing import Any, NamedTuple, Optional, Sequence, Union
+from typing import Any, Callable, NamedTuple, Optional, Sequence, Union
 
 import numpy
 from numpy.typing import NDArray
@@ -198,6 +199,14 @@ class Result:
             raise ValueError(f"{os.fspath(file)}: a page needs a name that ends in .html")
         self.save(file)
 
+    def __reduce__(self) -> tuple[Callable[[bytes], Result], tuple[bytes]]:
+        """Lets pickle, copy and multiprocessing take a result, as its .h5. The copy has no scene, as from load()."""
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "result.h5")
+            self.save(file)
+            with open(file, "rb") as opened:
+                return _from_bytes, (opened.read(),)
+
     def plot(self) -> Any:
         """Returns a matplotlib.figure.Figure: the matrix F_ij in logarithmic colours, and a histogram of errors."""
         from ._plot import plot
@@ -225,6 +234,14 @@ class Result:
         )
         head = "<tr><th>from</th><th>to</th><th>form factor</th><th>standard error</th></tr>"
         return f"<div>{html.escape(self._describe())}</div><table>{head}{lines}</table>"
+
+
+def _from_bytes(content: bytes) -> Result:
+    with tempfile.TemporaryDirectory() as folder:
+        file = os.path.join(folder, "result.h5")
+        with open(file, "wb") as opened:
+            opened.write(content)
+        return load(file)
 
 
 def load(file: Union[str, "os.PathLike[str]"]) -> Result:
