@@ -31,22 +31,22 @@ int runPlan(const ComputeOptions& options) {
   if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
   const PlanSummary& plan = run.makePlan();
   if (options.talks()) fmt::print("{}{}", describePlan(run), keeper ? keeper->describe() : "");
-  const bool has_time = plan.guarantee || plan.line_guarantee || plan.pilot_seconds > 0;
-  const double seconds = has_time ? plan.seconds : run.measureSeconds();
+  const double seconds = run.measureSeconds();
   run.checkDevice();
   if (options.json) {
     Json report = startReport();
     addScene(report, scene);
     report["plan"] = jsonOf(plan);
-    if (!has_time) report["plan"]["expected_seconds"] = seconds;
+    report["plan"]["expected_seconds"] = seconds;
     report["division"] = run.division();
     report["files"] = jsonOf(options.files);
     printReport(std::move(report));
     return 0;
   }
   if (!options.talks()) return 0;
-  if (!has_time)
-    fmt::print("expected   {} for {}\n", inWords(seconds), counted(options.request.amount.replicates, "replicate"));
+  if (!plan.guarantee && !(plan.pilot_seconds > 0))
+    fmt::print("expected   {} in all: {} for the plan, {} to count\n", inWords(plan.plan_seconds + seconds),
+               inWords(plan.plan_seconds), inWords(seconds));
   fmt::print("{}", run.division());
   return 0;
 }

@@ -94,7 +94,8 @@ Json jsonOf(const PlanSummary& plan) {
                                                                   : "lattice"},
                {"sampler", plan.sampler},
                {"unoccluded", plan.unoccluded},
-               {"directions", plan.directions}};
+               {"directions", plan.directions},
+               {"plan_seconds", plan.plan_seconds}};
   Json lattices = Json::array();
   for (const LatticeSummary& lattice : plan.lattices)
     lattices.push_back(

@@ -46,10 +46,9 @@ class LineGuarantee {
                 const std::vector<LinePair>& pairs, const LineGuaranteeOptions& options);
 
   const LineGuaranteeFigures& figures() const { return figures_; }
-  // Predicts how long the run takes, and adds these times to figures().
-  //   Error: all lines count as uniform lines, though lines in strata take less time
-  //   Cost: some 100,000 lines.
-  void measureSeconds();
+  // Predicts how long the lines take, and adds these times to figures().
+  //   In: finding_seconds: that it took to find the pairs, on the same threads    Error: a factor of about 1.5
+  void predictSeconds(double finding_seconds);
   uint64_t lookCount() const { return look_; }
   // Returns the largest number of looks that may be needed.
   uint64_t mostLooks() const { return most_looks_; }
@@ -157,6 +156,7 @@ class LineGuarantee {
   std::vector<Entry> entries_;  // sorted by (i, j)
   std::vector<Part> parts_;     // of faces
   size_t pairs_ = 0;            // number of pairs of faces
+  double lines_cost_ = 0;       // predicted, of lines and sums: seconds of one thread
   std::vector<uint32_t> open_;  // indices of unfinished entries
   double log_row_ = 0;          // ln(2 / p), where p is the chance that the bound (55) of a row fails
   uint32_t look_ = 0, most_looks_ = 1;

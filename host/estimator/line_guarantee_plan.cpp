@@ -30,8 +30,6 @@ constexpr double kRowShare = 0.5;            // part of delta for rows, if rows 
 constexpr uint64_t kPilotSeries = 1000;      // series of pilots; looks have smaller numbers
 constexpr size_t kPilots = 512;              // entries with a pilot
 constexpr double kMostPilotLines = 256;      // of an entry
-constexpr size_t kTimedEntries = 64;
-constexpr uint64_t kTimedLines = 2048;
 
 // Returns the largest weight c of a line for which Hoeffding's bound is at most `allowed`: docs/method.md, eq. (50). A
 // part of exchange area G_k has ceil(G_k / c) lines, so all have at most blockable / c + parts. Hence c is the root of
@@ -71,6 +69,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
   by_key.reserve(pairs.size());
   for (uint32_t k = 0; k < pairs.size(); ++k) by_key.push_back({entryOf(pairs[k], face_ids_, options_.by), k});
   std::ranges::sort(by_key);
+  entries_.reserve(by_key.size());  // as many where each pair is an entry, and pages that are not used take no memory
   for (const auto& [key, k] : by_key) {
     if (entries_.empty() || keyOf(entries_.back()) != key) {
       entries_.push_back({key.first, key.second});
@@ -249,23 +248,17 @@ void LineGuarantee::predict() {
     add(entry, lines, lines * candidates, strata, share, pilots[k].second);
   }
   figures_.cost = cost.ofPromise(), figures_.estimate_cost = cost.ofEstimate();
+  lines_cost_ = cost.ofLines();
 }
 
-// Measures the time of a line in entries with many lines, and predicts the run's times.
-void LineGuarantee::measureSeconds() {
-  const auto begun = Clock::now();
-  double lines = 0;
-  for (size_t k = 0; k < std::min(kTimedEntries, open_.size()); ++k) {
-    const Entry& entry = entries_[open_[k]];
-    if (entry.part_count == 0) break;
-    const Part& part = parts_[entry.first_part];
-    lines_.drawUniform(part.index, kPilotSeries, kTimedLines, kMostCandidates, vectors_);
-    lines += double(kTimedLines);
-  }
-  if (!(lines > 0)) return;
-  const double seconds_each = secondsSince(begun) / lines / double(lines_.threads());
-  figures_.expected_seconds = figures_.expected_lines * seconds_each;
-  figures_.most_seconds = figures_.most_lines * seconds_each;
+// Predicts the run's times. Finding the pairs has been timed; its seconds over its predicted cost say how fast the
+// machine is.
+void LineGuarantee::predictSeconds(double finding_seconds) {
+  const double finding = PromiseCost::ofFinding({.pairs = pairs_, .finding = lines_.findingWork()});
+  if (!(finding > 0) || !(figures_.expected_lines > 0)) return;
+  const double seconds = lines_cost_ * finding_seconds / finding;
+  figures_.expected_seconds = seconds;
+  figures_.most_seconds = seconds * std::max(1.0, figures_.most_lines / figures_.expected_lines);
 }
 
 }  // namespace viewpeel

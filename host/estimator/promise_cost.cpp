@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "estimator/line_run.h"
 #include "pair_lines/pair_lines.h"
@@ -17,9 +16,8 @@ constexpr double kPair = 0.9e-6, kShaft = 0.3e-6, kTest = 15e-9;   // to find pa
 constexpr double kEstimatePair = 0.4e-6, kPromisePair = 0.7e-6;    // to plan, sum and write down a pair
 constexpr double kEstimatePart = 2e-6, kEstimateLine = 18e-9;      // in all replicates
 constexpr double kPromisePart = 0.6e-6, kBlockerOfPart = 0.25e-6;  // in all looks
-constexpr double kPromiseLine = 20e-9, kCandidate = 5e-9, kStrataLine = 10e-9;
-constexpr double kBlockerOfLine = 1e-9;  // of a line of either, and of lines in strata
-constexpr double kTiming = 5e-3;  // of lines that predict the seconds of a promise (LineGuarantee::measureSeconds)
+constexpr double kPromiseLine = 20e-9, kCandidate = 5e-9, kStrataLine = 8e-9;
+constexpr double kBlockerOfLine = 1e-9, kBlockerOfStrata = 0.6e-9;  // of a line
 constexpr double kFurther = 1.3;  // lines of an estimate with replicates beyond its plan, over those planned
 constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
 
@@ -37,14 +35,14 @@ double estimatedLines(double share, double goal) {
 
 PromiseCost::PromiseCost(double tolerance, const SharedWork& shared) : tolerance_(tolerance) {
   const auto pairs = double(shared.pairs);
-  const double both = kStart + shared.directions * (kDirection + kFaceOfDirection * double(shared.faces)) +
-                      kPair * pairs + kShaft * double(shared.finding.shafts) + kTest * double(shared.finding.tests);
-  promise_s_ = both + kPromisePair * pairs;
+  const double both =
+      kStart + shared.directions * (kDirection + kFaceOfDirection * double(shared.faces)) + ofFinding(shared);
+  lines_s_ = kPromisePair * pairs;
+  promise_s_ = both + lines_s_;
   estimate_s_ = both + kEstimatePair * pairs;
 }
 
 void PromiseCost::add(const EntryLines& entry, double weight) {
-  if (!std::exchange(has_lines_, true)) promise_s_ += kTiming;
   const auto parts = double(entry.exchanges.size());
   const double errors = entry.is_pair ? kErrorsInGoal : kErrorsInRowGoal,
                allowed = tolerance_ * entry.smaller_area / errors, blocking = kBlockerOfLine * entry.blockers / parts;
@@ -55,9 +53,15 @@ void PromiseCost::add(const EntryLines& entry, double weight) {
   for (const double exchange : entry.exchanges)
     lines += kFurther * estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
   estimate_s_ += weight * (lines * (kEstimateLine + blocking) + parts * kEstimatePart);
-  promise_s_ +=
-      weight * (entry.lines * (kPromiseLine + blocking) + entry.candidates * kCandidate +
-                entry.strata * (kStrataLine + blocking) + parts * kPromisePart + entry.blockers * kBlockerOfPart);
+  const double of_lines = weight * (entry.lines * (kPromiseLine + blocking) + entry.candidates * kCandidate +
+                                    entry.strata * (kStrataLine + kBlockerOfStrata * entry.blockers / parts) +
+                                    parts * kPromisePart + entry.blockers * kBlockerOfPart);
+  lines_s_ += of_lines;
+  promise_s_ += of_lines;
+}
+
+double PromiseCost::ofFinding(const SharedWork& shared) {
+  return kPair * double(shared.pairs) + kShaft * double(shared.finding.shafts) + kTest * double(shared.finding.tests);
 }
 
 }  // namespace viewpeel

@@ -44,11 +44,14 @@ class PromiseCost {
   //   Error: a factor of two; measured in docs/speed.md. Tests: tests/unit/promise_test.cpp.
   double ofPromise() const { return promise_s_; }
   double ofEstimate() const { return estimate_s_; }
+  // Returns the part of the promise's cost that follows its plan: lines, and sums over pairs.
+  double ofLines() const { return lines_s_; }
+  // Returns the cost of finding pairs, a part of either.
+  static double ofFinding(const SharedWork& shared);
 
  private:
   double tolerance_;
-  double promise_s_, estimate_s_;
-  bool has_lines_ = false;
+  double promise_s_, estimate_s_, lines_s_;
 };
 
 // Returns whether a run is promised by default.    In: costs as of PromiseCost

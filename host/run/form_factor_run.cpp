@@ -17,8 +17,6 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kTrialSeconds = 0.5;  // least time of a trial in measureSeconds
-
 // Returns the largest error that a request allows a form factor; 1 where it names none.
 double errorAsked(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
@@ -75,30 +73,6 @@ const PriorSummary* FormFactorRun::findPrior() {
   makePlan();
   state_->doUnlessStopped([&] { state_->findPrior(); });
   return state_->prior_summary ? &*state_->prior_summary : nullptr;
-}
-
-double FormFactorRun::measureSeconds() {
-  makePlan();
-  const EstimateOptions& estimate = state_->setup.estimate();
-  const auto directionsOf = [&](uint32_t count) {
-    return estimate.drawn_directions ? estimate.drawn_directions(count, kPlanReplicates.first).directions
-                                     : sampleDirections(estimate.sampler, count, estimate.seed, kPlanReplicates.first);
-  };
-  const uint32_t all = state_->plan->directions;
-  if (state_->pair_lines) {
-    const auto trial = Clock::now();
-    state_->pair_lines->count(state_->line_pairs, kTrialReplicates.first);
-    return secondsSince(trial) * estimate.replicates;
-  }
-  double each = 0;
-  uint32_t count = std::min(4u, all);
-  for (uint32_t turn = 0; turn < 2; ++turn, count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, all)) {
-    if (turn == 0) state_->engine().count(directionsOf(count));  // compiles and tunes kernels before the clock starts
-    const auto trial = Clock::now();
-    state_->engine().count(directionsOf(count));
-    each = std::max(secondsSince(trial), 1e-9) / count;
-  }
-  return each * all * estimate.replicates;
 }
 
 bool FormFactorRun::isDone() const { return state_->is_done; }

@@ -59,7 +59,7 @@ bool FormFactorRun::State::planPromise() {
     refusePromise(error.what());
     return false;
   }
-  line_guarantee->measureSeconds();
+  line_guarantee->predictSeconds(finding_seconds);
   return true;
 }
 

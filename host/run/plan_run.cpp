@@ -184,7 +184,9 @@ std::string FormFactorRun::State::makePairLines() {
 
 // Finds the pairs that get lines.    Out: false where there are too many of them
 bool FormFactorRun::State::findLinePairs() {
+  const auto begun = Clock::now();
   line_pairs = pair_lines->find(line_mixture.least_form_factor);
+  finding_seconds = secondsSince(begun);
   if (pair_lines->hasTooMany()) requireNoPairLines();
   return !pair_lines->hasTooMany();
 }
@@ -279,7 +281,7 @@ bool FormFactorRun::State::planLineGuarantee() {
   if (!makePairLines().empty() || !findLinePairs()) return false;
   if (isAllExact()) plan->directions = 0;
   makeLineGuarantee();
-  line_guarantee->measureSeconds();
+  line_guarantee->predictSeconds(finding_seconds);
   const LineGuaranteeFigures& figures = line_guarantee->figures();
   if (const auto& limit = setup.request().time_limit_s; limit && figures.expected_seconds > *limit)
     refuseGuarantee(figures, *limit);
@@ -304,6 +306,7 @@ void FormFactorRun::State::makePlan() {
   else if (setup.usesPairLines()) planPairLines();
   else planEstimateOfDirections();
   summariseRun();
+  summary.plan_seconds = secondsSince(*start);
   if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);
 }
 

@@ -44,6 +44,7 @@ struct FormFactorRun::State {
   std::optional<PairLines> pair_lines;
   LineMixture line_mixture{};        // pairs with lines, and directions that count the others
   std::vector<LinePair> line_pairs;  // as found, then with their planned lines
+  double finding_seconds = 0;        // that it took to find them
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
@@ -131,6 +132,8 @@ struct FormFactorRun::State {
   void beginLineGuarantee();
   void findPrior();
   EstimateOptions estimateOptions();
+  double measureLineSeconds();
+  double measureDirectionSeconds();
   void begin();
   void step();
   Estimate estimateOfNothing() const;

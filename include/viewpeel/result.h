@@ -124,6 +124,7 @@ struct PlanSummary {
   double seconds = 0;                    // of counting all replicates of the request, predicted; 0 without a plan
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on pilots; 0 without a plan
+  double plan_seconds = 0;    // spent on the whole plan; with pair lines it includes finding the pairs
   // The prediction for a goal that the request's number of replicates misses.
   std::optional<GoalCost> goal_beyond_request;
   // These rows are so small that even the finest lattice may miss them.

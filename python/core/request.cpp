@@ -1,10 +1,25 @@
 // requestOf() makes a request of Python's keyword arguments.
 #include "python/core/bindings.h"
 
+#include <limits>
+#include <type_traits>
+
+#include <fmt/format.h>
+
 #include <viewpeel/error.h>
 
 namespace viewpeel::python {
 namespace {
+
+// Returns what an argument of this type may be, for messages.
+template <class T>
+std::string expected() {
+  if constexpr (std::is_same_v<T, bool>) return "True or False";
+  else if constexpr (std::is_integral_v<T>)
+    return fmt::format("a whole number from {} to {}", std::numeric_limits<T>::min(), std::numeric_limits<T>::max());
+  else if constexpr (std::is_floating_point_v<T>) return "a number";
+  else return "text, or a list of texts";
+}
 
 // Arguments set members of a request from keyword arguments that are present and not None.
 class Arguments {
@@ -14,7 +29,12 @@ class Arguments {
   template <class T>
   std::optional<T> find(const char* name) const {
     if (!arguments_.contains(name) || arguments_[name].is_none()) return std::nullopt;
-    return arguments_[name].cast<T>();
+    try {
+      return arguments_[name].cast<T>();
+    } catch (const py::cast_error&) {
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: {} is not {}", name,
+                                                    std::string(py::repr(arguments_[name])), expected<T>()));
+    }
   }
   template <class T>
   void set(const char* name, T& value) const {

@@ -166,6 +166,11 @@ class Errors(unittest.TestCase):
             self.refuses("", plates, **wrong)
         with self.assertRaises(TypeError):
             viewpeel.compute(plates, tolerence=1e-3)
+        self.refuses("epsilon: 'x' is not a number", plates, epsilon="x")
+        self.refuses("directions: 1.5 is not a whole number from 0 to 4294967295", plates, directions=1.5)
+        self.refuses("threads: -1 is not a whole number", plates, threads=-1)
+        self.refuses("seed: -1 is not a whole number", plates, seed=-1)
+        self.refuses("two_sided: 'yes' is not True or False", plates, two_sided="yes")
 
 
 if __name__ == "__main__":

@@ -325,5 +325,31 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   EXPECT_THROW(insisting.step(), Error);
 }
 
+// A prediction draws lines and directions of its own, so that the run after it has the bits of a run without one. It
+// is above 0 for each kind of run: a promise, an estimate by lines, and common directions.
+TEST(Predictions, LeaveTheRunAsItIs) {
+  const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
+  std::vector<Request> requests{toleranceOf(1e-2), toleranceOf(1e-3), toleranceOf(1e-2)};
+  requests[1].promise = false;
+  requests[2].goal = FixedAmount{.directions = 16};
+  for (const Request& request : requests) {
+    FormFactorRun predicted(scene, request), plain(scene, request);
+    EXPECT_GT(predicted.measureSeconds(), 0);
+    EXPECT_GT(predicted.plan().plan_seconds, 0);
+    std::vector<FormFactors> found;
+    for (FormFactorRun* run : {&predicted, &plain}) {
+      while (!run->isDone()) run->step();
+      found.push_back(run->resultSoFar().form_factors);
+    }
+    ASSERT_EQ(found[0].entries().size(), found[1].entries().size());
+    for (size_t k = 0; k < found[0].entries().size(); ++k) {
+      const FormFactors::Entry &a = found[0].entries()[k], &b = found[1].entries()[k];
+      ASSERT_EQ(std::pair(a.i, a.j), std::pair(b.i, b.j));
+      ASSERT_EQ(a.exchange_area.value, b.exchange_area.value);
+      ASSERT_EQ(a.exchange_area.standard_error, b.exchange_area.standard_error);
+    }
+  }
+}
+
 }  // namespace
 }  // namespace viewpeel

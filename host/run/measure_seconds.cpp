@@ -1,0 +1,69 @@
+// measureSeconds() predicts the time of a run from trials of its parts.
+#include <algorithm>
+
+#include "directions/replicates.h"
+#include "run/run_state.h"
+#include "stopwatch.h"
+#include <viewpeel/compute.h>
+
+namespace viewpeel {
+namespace {
+
+constexpr double kTrialSeconds = 0.5;  // least time of a trial of directions
+// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned. In the
+// scenes of docs/speed.md these replicates are about four, with a quarter of the planned lines.
+constexpr double kFurtherReplicates = 4, kFurtherLines = 0.25;
+
+}  // namespace
+
+// Times two replicates of lines. The second one also has the comparison with the goal, which follows each replicate from
+// the planned number on, and once more for the result.
+double FormFactorRun::State::measureLineSeconds() {
+  EstimateOptions options = estimateOptions();
+  const double replicates = options.replicates;
+  options.replicates = 2;
+  options.first_replicate = kTrialReplicates.first;
+  options.resumed = nullptr;
+  LineRun trial(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, line_pairs, line_mixture.least_form_factor,
+                options);
+  auto begun = Clock::now();
+  trial.step();
+  const double step = secondsSince(begun);
+  begun = Clock::now();
+  trial.step();
+  const double comparing = std::max(0.0, secondsSince(begun) - step);
+  return replicates * step * (1 + kFurtherLines) + (kFurtherReplicates + 2) * comparing;
+}
+
+// Times a few directions, and then as many as kTrialSeconds have room for. Returns the seconds of a direction.
+double FormFactorRun::State::measureDirectionSeconds() {
+  const EstimateOptions& estimate = setup.estimate();
+  const auto directionsOf = [&](uint32_t count) {
+    return estimate.drawn_directions ? estimate.drawn_directions(count, kPlanReplicates.first).directions
+                                     : sampleDirections(estimate.sampler, count, estimate.seed, kPlanReplicates.first);
+  };
+  double each = 0;
+  uint32_t count = std::min(4u, plan->directions);
+  for (uint32_t turn = 0; turn < 2; ++turn) {
+    if (turn == 0) engine().count(directionsOf(count));  // compiles and tunes kernels before the clock starts
+    const auto trial = Clock::now();
+    engine().count(directionsOf(count));
+    each = std::max(secondsSince(trial), 1e-9) / count;
+    count = std::clamp(static_cast<uint32_t>(kTrialSeconds / each), 1u, plan->directions);
+  }
+  return each;
+}
+
+double FormFactorRun::measureSeconds() {
+  const PlanSummary& summary = makePlan();
+  if (summary.guarantee) return summary.guarantee->expected_seconds;
+  if (summary.line_guarantee) {
+    const uint32_t directions = state_->promise_counts ? 0 : state_->plan->directions * kFewReplicates;
+    return summary.line_guarantee->expected_seconds + (directions ? directions * state_->measureDirectionSeconds() : 0);
+  }
+  if (summary.pilot_seconds > 0) return summary.seconds;
+  if (state_->pair_lines) return state_->measureLineSeconds();
+  return state_->measureDirectionSeconds() * state_->plan->directions * state_->setup.estimate().replicates;
+}
+
+}  // namespace viewpeel
