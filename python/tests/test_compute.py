@@ -154,6 +154,10 @@ class Errors(unittest.TestCase):
         self.refuses("3 for 2 polygons", (PLATE_POINTS, PLATES, ["a", "b", "c"]))
         self.refuses("no scene", 7)
         self.refuses("whole numbers", (PLATE_POINTS, "abc"))
+        for wrong in ([[0.5, 1, 2], [4, 6, 5]], numpy.array([[0.5, 1, 2], [4, 6, 5]]), [[numpy.nan, 1, 2], [4, 6, 5]]):
+            self.refuses("an index of a point is not a whole number", (PLATE_POINTS, wrong))
+        self.refuses("whole numbers", (PLATE_POINTS, [[0, 1, 2**70], [4, 6, 5]]))
+        self.refuses("complex", (numpy.array(PLATE_POINTS) + 1j, [[0, 1, 2], [4, 6, 5]]))
 
     def test_bad_options(self):
         plates = scene_file("plates.obj")

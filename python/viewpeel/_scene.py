@@ -14,16 +14,31 @@ _UNITS_M = {"m": 1.0, "mm": 1e-3, "cm": 1e-2, "in": 0.0254, "ft": 0.3048}
 _MESHIO_CORNERS = {"triangle": 3, "triangle6": 3, "quad": 4, "quad8": 4, "quad9": 4}
 
 
+def _indices(values: Any) -> Any:
+    """Returns values as int64, in place where they are int64; raises ValueError where one is not a whole number."""
+    given = numpy.asarray(values)
+    try:
+        with numpy.errstate(invalid="ignore"):
+            whole = numpy.ascontiguousarray(given, dtype=numpy.int64)
+    except (OverflowError, TypeError, ValueError):
+        raise ValueError("polygons: not sequences of whole numbers, the indices of points") from None
+    if given.dtype.kind != "i" and not numpy.array_equal(whole, given):
+        raise ValueError("polygons: an index of a point is not a whole number; correct it")
+    return whole
+
+
 class Polygons:
     """Holds m polygons as flat arrays. points: n x 3 float64; corners: indices of points, int64; starts: m + 1 int64, so
     that polygon k has corners[starts[k]:starts[k + 1]]; surfaces: m indices of surface_names, int64.
     """
 
     def __init__(self, points: Any, corners: Any, starts: Any, names: Optional[Sequence[str]], title: str):
+        if numpy.iscomplexobj(points):
+            raise ValueError("points: are complex numbers; give their real coordinates")
         self.points = numpy.ascontiguousarray(points, dtype=numpy.float64)
         if self.points.ndim == 2 and self.points.shape[1] == 2:
             raise ValueError("points: have two coordinates, not three; add a column for z")
-        self.corners = numpy.ascontiguousarray(corners, dtype=numpy.int64)
+        self.corners = _indices(corners)
         self.starts = numpy.ascontiguousarray(starts, dtype=numpy.int64)
         self.title = title
         count = len(self.starts) - 1
@@ -43,8 +58,8 @@ def _flatten(polygons: Any) -> tuple[Any, Any]:
         count, corner_count = polygons.shape
         return polygons.reshape(-1), numpy.arange(count + 1) * corner_count
     try:
-        parts = [numpy.asarray(polygon, dtype=numpy.int64) for polygon in polygons]
-    except (TypeError, ValueError):
+        parts = [_indices(polygon) for polygon in polygons]
+    except TypeError:
         raise ValueError("polygons: not sequences of whole numbers, the indices of points") from None
     lengths = [len(part) for part in parts]
     return numpy.concatenate(parts) if parts else [], numpy.concatenate([[0], numpy.cumsum(lengths)]).astype(int)
