@@ -32,8 +32,8 @@ class Arguments {
     try {
       return arguments_[name].cast<T>();
     } catch (const py::cast_error&) {
-      throw Error(ErrorCode::bad_usage, fmt::format("{}: {} is not {}", name,
-                                                    std::string(py::repr(arguments_[name])), expected<T>()));
+      throw Error(ErrorCode::bad_usage,
+                  fmt::format("{}: {} is not {}", name, std::string(py::repr(arguments_[name])), expected<T>()));
     }
   }
   template <class T>
