@@ -30,10 +30,10 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
                         counted(g.run_directions, "direction"), inWords(g.most_seconds));
   else
     text += fmt::format(
-        "plan       blocks of {}: {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the "
-        "same again:{} --block {}\n",
-        counted(g.block_directions, "direction"), g.most_blocks, inWords(g.most_seconds), g.expected_blocks,
-        inWords(g.expected_seconds), g.least_blocks, inWords(g.least_seconds),
+        "plan       {} of {} ({}) by Hoeffding's bound; by Bernstein's {} ({}) expected, {} ({}) at least; the same "
+        "again:{} --block {}\n",
+        counted(g.most_blocks, "block"), counted(g.block_directions, "direction"), inWords(g.most_seconds),
+        counted(g.expected_blocks, "block"), inWords(g.expected_seconds), g.least_blocks, inWords(g.least_seconds),
         plan.engine == EngineKind::exact ? ""
         : request.amount.resolution      ? fmt::format(" --resolution {}", request.amount.resolution)
                                          : fmt::format(" --range {}", g.range),

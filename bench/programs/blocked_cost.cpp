@@ -2,8 +2,8 @@
 // without and with blocked pairs, as CSV on stdout.
 //   blocked_cost [--scene room|room4|triangles|FILE]... [--sampling lattice|scanline]... [--resolution PX]...
 //   [--directions N] [--rounds N]
-// A round counts the same directions first without and then with blocked pairs, and a ratio is of one round. The time
-// includes reading the counters once for each call.
+// A round counts the same directions first without and then with blocked pairs. A ratio divides the second time of a
+// round by its first. Each time includes reading the counters back, once for each call of Engine::count.
 #include <ctime>
 
 #include <CLI/CLI.hpp>

@@ -16,8 +16,8 @@ constexpr double kFurtherReplicates = 4, kFurtherLines = 0.25;
 
 }  // namespace
 
-// Times two replicates of lines. The second one also has the comparison with the goal, which follows each replicate from
-// the planned number on, and once more for the result.
+// Times two replicates of lines. The second one also has the comparison with the goal. A run compares after each
+// replicate from the planned number on, and once more for the result.
 double FormFactorRun::State::measureLineSeconds() {
   EstimateOptions options = estimateOptions();
   const double replicates = options.replicates;

@@ -52,8 +52,8 @@ struct OutputContent {
   std::vector<std::string> shown{};
   // The result of solveHeat() with these form factors adds columns to .h5, quantities to .html and arrays to .vtp.
   const HeatSolution* heat = nullptr;
-  // A .vwf names the version of CalculiX that may read it, and other versions refuse the file. Versions that do not
-  // compare the name accept "none".
+  // A .vwf names the version of CalculiX that may read it, and other versions refuse the file. "none" leaves the
+  // version out, for old versions of CalculiX, which know no such record.
   std::string ccx_version = "2.20";
   const char* balanced_column = kBalancedColumn;  // column of .csv for `balanced`
   // Entries of these pairs (i, j), i < j, ascending, are guesses, and files mark them. May be nullptr.

@@ -200,7 +200,8 @@ class Result:
         self.save(file)
 
     def __reduce__(self) -> tuple[Callable[[bytes], Result], tuple[bytes]]:
-        """Lets pickle, copy and multiprocessing take a result, as its .h5. The copy has no scene, as from load()."""
+        """Lets pickle, copy and multiprocessing take a result, as its .h5. As with load(), the copy has no scene, and its
+        numbers may differ in the last digit."""
         with tempfile.TemporaryDirectory() as folder:
             file = os.path.join(folder, "result.h5")
             self.save(file)

@@ -59,7 +59,7 @@ TEST_F(Program, PlansSayWhatARunTakes) {
     EXPECT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find(" s"), std::string::npos) << r.output;
     const std::string words = options;
-    EXPECT_NE(r.output.find(words.ends_with("off") ? "plan       blocks of " : "expected   "), std::string::npos)
+    EXPECT_NE(r.output.find(words.ends_with("off") ? " by Hoeffding's bound; " : "expected   "), std::string::npos)
         << r.output;
   }
   EXPECT_NE(run("plan " VIEWPEEL_SCENES "/street.obj --epsilon 0.3").output.find(" lines at most ("),

@@ -113,9 +113,10 @@ TEST(ReplicateSums, IntervalsOfFewCountsHoldTheTruth) {
   }
 }
 
-// One direction met the pair, with one line. Another direction might have met it with all the lines that its smaller
-// polygon has room for. For an area of 2 and lines of 0.1 that is D_0 = 1 + 8/27 20 = 6.93, eq. (12). Where many
-// directions met the pair D_0 changes nothing.
+// One direction met the pair, with one line. Another direction might have met it with many. The smaller polygon has an
+// area of 2, and a line stands for an area of 0.1. So 20 lines have room on it, and a direction that sees the pair
+// counts D_0 = 1 + 8/27 20 = 6.93 of them in the mean, eq. (12). Where many directions met the pair, D_0 changes
+// nothing.
 TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
   const auto errorOf = [](uint64_t count, double count_area) {
     ReplicateSums sums(twoIds(2, 4));

@@ -1,6 +1,6 @@
-// These tests judge runs in which large pairs have lines of their own and common directions count all others. They
-// compare such a run with a finer one in which all pairs have lines, and with itself: in other threads, after a stop,
-// between surfaces.
+// These tests judge runs in which pairs of large form factors have lines of their own and common directions count all
+// others. They compare such a run with a finer one in which all pairs have lines. They also compare it with the same
+// run on another number of threads, with one that was stopped and resumed, and with sums over surfaces.
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -314,8 +314,8 @@ TEST(MixtureRuns, AllPairsOfAnOpenCityHaveLines) {
   EXPECT_TRUE(fine.plan().pair_lines) << fine.plan().no_promise;
 }
 
-// In an open scene rows see the environment. Few directions would count it too roughly, and memory has no room for all
-// pairs of the room.
+// In an open scene rows see the environment, which the few common directions of a mixture would count too roughly.
+// Lines for all pairs of this scene do not fit into memory. So it gets no pair lines, and the plan says why.
 TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
   InputScene room = bench::roomWithBoxes(5);
   std::erase_if(room.faces, [](const InputFace& face) {
