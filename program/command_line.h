@@ -19,7 +19,7 @@ std::string commandLine();
 // Returns the name of the subcommand; empty before it is parsed.
 const std::string& commandName();
 
-// A GivenOption is an option of the subcommand with its values: those on the command line, or else the default.
+// A GivenOption is an option of the subcommand with its values: from the command line, or else the default.
 struct GivenOption {
   std::string name;  // "tolerance" for --tolerance; for a positional argument its name
   std::vector<std::string> values;

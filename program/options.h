@@ -68,7 +68,7 @@ void addGroupsOption(CLI::App* command, std::string& groups);
 // This text describes --json.
 constexpr const char* kJsonHelp = "Print one JSON object: what was done, errors too";
 
-// Adds --threads, which limits the processor's threads, also those of a software Vulkan device.
+// Adds --threads, which limits the processor's threads, also the threads of a software Vulkan device.
 void addThreadsOption(CLI::App* command);
 
 }  // namespace viewpeel::program

@@ -25,7 +25,7 @@ BinArgs args;
 
 const int kWideBox = 16;  // boxes this many tiles wide are clipped by the edges, which takes a division an edge
 
-// Cuts the columns of tiles span.x to span.y of a row down to those with reach + per_column x >= 0, rounded outward.
+// Cuts the columns of tiles span.x to span.y of a row down to columns with reach + per_column x >= 0, rounded outward.
 // The quotient is below 2^13, and single precision is off by at most 2^-22 of it. This error is less than the half tile
 // that is added.
 //   In: reach, per_column: the largest value of an edge over tile x of the row is reach + per_column x

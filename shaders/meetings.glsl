@@ -59,8 +59,8 @@ uint findMeeting(Party nearer, Party farther, uint eight, uint place, uint farth
   return meeting;
 }
 
-// Counts the pairs of a nearer and a farther party: those whose ranges of keys do not overlap or, with `doubtful`,
-// those whose ranges overlap (see findMeeting).
+// Counts the pairs of a nearer and a farther party: the pairs whose ranges of keys do not overlap or, with
+// `doubtful`, the pairs whose ranges overlap (see findMeeting).
 //   Out: steps: raised by the number of turns of the inner loops; cut: see countInOrder
 void addMeeting(Parties parties, Counters counters, bool doubtful, inout uint steps, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;

@@ -95,7 +95,7 @@ struct ProjectArgs {
   uint64_t listed;
   uint64_t status;  // BatchStatus
   // uint64_t[fragment_capacity][point_count]: a Layer as key << 32 | polygon. The lattice points of tile 0 come first,
-  // then those of tile 1, and so on.
+  // then the points of tile 1, and so on.
   uint64_t fragments;
   uint64_t fragment_counts;  // uint[point_count]
   uint fragment_capacity;    // most fragments of a lattice point

@@ -157,7 +157,8 @@ uvec4 sliceRows(Tile tile, uint lane, inout bool cut) {
   return uvec4(found.count, found.ups, keepPositions(2u * found.count, lane, cut), found.held_rows);
 }
 
-// Of the spans of `window` from `begin` to `end`, moves those that reach beyond `position` to the end of this range.
+// Takes the spans of `window` from `begin` to `end`. Moves the spans that reach beyond `position` to the end of this
+// range.
 // Returns where they begin; the others are lost.
 uint dropEnded(uint begin, uint end, uint position, uint lane, inout bool cut) {
   const uint lanes = gl_WorkGroupSize.x;

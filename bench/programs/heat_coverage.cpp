@@ -1,12 +1,11 @@
 // This bench tests standard errors of heat flows and temperatures. Over many seeds it counts how often the 95 %
 // interval, value +- t_0.975 standard errors, holds the true value, with t of R - 1 degrees of freedom, or R + 4 with
-// pair lines. It prints CSV on stdout, with a row for each
-// scene, way to count, and kind of value.
+// pair lines. It prints CSV on stdout, with a row for each scene, way to count, and kind of value.
 //   heat_coverage [--scene sheet|office]... [--seeds K]
 //
 // The scene `sheet` has parts of two squares past a sheet, with form factors in closed form. The truth of the office,
 // by surface, is a run by pair lines to 5e-5. There are three ways to count: pair lines, visibilities along common
-// directions, and common directions alone. A column has the rms error in standard errors; it is 1 where these are
+// directions, and common directions alone. A column has the rms error in standard errors, 1 where standard errors are
 // right. Values of one run are correlated, so the standard error of a coverage comes from the spread between seeds.
 #include <cmath>
 #include <map>

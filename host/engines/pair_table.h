@@ -72,7 +72,7 @@ class PairTable {
   // Makes a table that passes its counts on.    In: shared: the caller keeps it alive
   explicit PairTable(SharedPairs& shared);
 
-  // These add a weight to the facing, or the blocked, lines of a pair.
+  // Both functions add a weight to the facing, or the blocked, lines of a pair.
   //   In: i <= j; j may be kEnvironment or kLeak    Throws: Error limit, as SharedPairs::add
   void add(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 0); }
   void addBlocked(uint32_t i, uint32_t j, uint64_t weight) { addTo(i, j, weight, 1); }

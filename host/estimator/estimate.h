@@ -69,7 +69,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, const Exchange
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all);
 
 // Computes F_ij = (2 / A_i) E[A'_ij(u)] for all pairs (Pellegrini 1997, sections 4.3 and 5.1).
-//   In: scene, ids: those of the engine
+//   In: scene, ids: as the engine has them
 //   Error: unbiased at any spacing and number of directions, but for unoccluded form factors by polygon. Their small
 //     bias is bounded in visibility_sums.h, and pairs that no line hit are guessed from their neighbours
 //     (neighbour_visibility.h). The standard error comes from the spread of independent replicates; a guess brings its

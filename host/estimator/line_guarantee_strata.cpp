@@ -1,6 +1,6 @@
 // This file decides when an entry of a guarantee gets lines in strata, and how many, and bounds the entry by them:
-// docs/method.md, section 14. There M is the largest weight of a candidate, G the blockable exchange area, b the share
-// of lines that nothing blocks, N a number of lines, and l = ln(1 / p) with p the chance of one bound.
+// docs/method.md, section 14. There M is the largest weight of a candidate, and G the blockable exchange area. A share
+// b of the lines meets no blocker, N is a number of lines, and l = ln(1 / p) with p the chance of one bound.
 #include <algorithm>
 #include <cmath>
 

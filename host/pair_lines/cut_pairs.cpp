@@ -37,7 +37,8 @@ bool haveFrontsTowardsEachOther(const Patch& a, const Patch& b) {
 
 }  // namespace
 
-// Finds the blockers of a part among those of the part from which it was cut. Returns whether the part is not hidden.
+// Finds the blockers of a part among the blockers of the part from which it was cut. Returns whether the part is not
+// hidden.
 bool PairCutter::keepBlockers(CutPart& part, std::span<const PlacedBlocker> from) {
   const std::vector<Blocker>& blockers = finder_.blockers();
   list_.clear(from.size());

@@ -1,8 +1,8 @@
 // A PairCutter cuts a pair of patches that needs many lines into parts that need fewer lines together.
 //
 // Of two large patches, most parts are clear of blockers or hidden by one. Clear parts are exact and hidden ones
-// exchange nothing. Lines are left for the others, each with fewer blockers between its ends than the whole pair has,
-// and with points of its own, which are a stratum of the pair's points.
+// exchange nothing. Lines are left for the others. Each of these parts has fewer blockers between its ends than the
+// whole pair has. Its points are a stratum of the pair's points.
 #pragma once
 #include <cstdint>
 #include <span>

@@ -50,7 +50,7 @@ VIEWPEEL_INLINE Floats unitNumber(const Words& words) {
   return __builtin_convertvector((Integers)(words >> 8), Floats) * 0x1p-24f;
 }
 
-// Returns a random number in [0, 1) of 53 bits, the first of which are those of words[d].    In: words: kNumbers
+// Returns a random number in [0, 1) of 53 bits, which begin with the bits of words[d].    In: words: kNumbers
 inline double withFurtherDigits(const uint32_t* words, int d) {
   Hash hash;
   for (int k = 0; k < kNumbers; ++k) hash.add(words[(d + k) % kNumbers]);

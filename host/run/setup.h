@@ -73,8 +73,8 @@ class Setup {
   // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
-  // Returns whether the plan decides which pairs have lines, for there are many polygons: all pairs, those that are not
-  // small against the goal (line_mixture.h), or none.
+  // Returns whether the plan decides which pairs have lines, for there are many polygons: all pairs, the pairs that are
+  // not small against the goal (line_mixture.h), or none.
   bool plansWhichPairs() const;
   LineMixture mixture() const;
   // Returns whether small polygons may have lattices of their own.

@@ -120,7 +120,7 @@ Measured LineSums::exchangeArea(size_t k) const {
 }
 
 // The variance by chance is off by a factor that depends on the scene and on the lines of a replicate. The factor of
-// all pairs with 2^(c-1) to 2^c - 1 blocks, class c, follows from those of them that have a spread.
+// all pairs with 2^(c-1) to 2^c - 1 blocks, class c, follows from the pairs of this class that have a spread.
 std::vector<double> LineSums::errorsInSums() const {
   struct Class {
     double of_replicates = 0, by_chance = 0, degrees = 0;

@@ -46,7 +46,7 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
 struct LineCount {
   uint32_t pair;    // index of the pair
   uint32_t blocks;  // blocks of 16 lines that each part drew
-  // These are the weights of the lines that nothing blocks, and of all lines. The unit is such that `all` is kLineUnit
+  // The weights of the lines that nothing blocks, and of all lines. The unit is such that `all` is kLineUnit
   // on average for LinePair::blocks blocks.
   uint32_t facing, all;
   // This is the number of independent lines of equal weight that carry as much information, eq. (48a) of

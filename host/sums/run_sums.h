@@ -57,7 +57,7 @@ struct RunSums {
   // entries, too.
   //   In: row: as in PriorSums::byPolygon
   FormFactors formFactors(const ExchangeRow& row = {}) const;
-  // Returns the form factors by polygon of only those pairs of the prior that are not estimated by counts alone, before
+  // Returns the form factors by polygon of only the pairs of the prior that are not estimated by counts alone, before
   // guesses are made to fit their rows. Needs prior_sums.
   FormFactors priorFormFactors() const;
   // Returns the form factors between surfaces.

@@ -18,10 +18,10 @@ constexpr double kGrazingShare = 1e-5;
 constexpr const char* kBalanceNeedsEveryRow = "--balance needs every row; leave out --from, --pair and --blocker";
 
 struct BalancedFormFactors {
-  // These are the balanced form factors. They have the entries and the standard errors of the measured ones, in the
+  // The balanced form factors have the entries and the standard errors of the measured ones, in the
   // same order. Environment and leak are 0.
   FormFactors form_factors;
-  // These are the multipliers y_i: double[row]. A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)), and for a row that sees
+  // The multipliers y_i: double[row]. A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)), and for a row that sees
   // itself A_i F_ii = max(0, c_ii + w_ii y_i).
   std::vector<double> row_corrections;
   uint32_t steps = 0;  // steps that Newton's method took

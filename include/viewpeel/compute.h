@@ -28,8 +28,8 @@ struct Progress {
   Phase phase = Phase::planning;
   uint64_t replicates = 0;                   // complete replicates; for a guarantee complete blocks
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
-  // These are the directions counted in the current replicate, and the directions that it has in all. The second number
-  // is 0 during a pilot.
+  // The directions counted in the current replicate, and the directions that it has in all. The second number is 0
+  // during a pilot.
   uint64_t directions = 0, directions_of_replicate = 0;
   uint64_t expected_blocks = 0, most_blocks = 0;  // of a guarantee
 };
@@ -100,7 +100,7 @@ class FormFactorRun {
   void step();
   // Returns true where the observer stopped the run.
   bool isInterrupted() const;
-  // Returns the number of complete replicates or blocks. Those of a resumed checkpoint are included.
+  // Returns the number of complete replicates or blocks, with the replicates of a resumed checkpoint.
   uint64_t replicateCount() const;
   // Returns all counts, for the library's own use. Call it after the first step.
   const RunSums& sums() const;

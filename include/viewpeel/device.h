@@ -17,7 +17,7 @@ struct DeviceDescription {
 };
 
 // Lists every physical device that the Vulkan loader finds.
-//   Out: the devices in the loader's order, with those that cannot be used    Error: none.
+//   Out: the devices in the loader's order, usable or not    Error: none.
 //   Throws: Error device where there is no Vulkan loader or driver.
 //   Cost: loads the drivers, some 10 ms.
 std::vector<DeviceDescription> listDevices();

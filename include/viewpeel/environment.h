@@ -32,7 +32,7 @@ struct EnvironmentParts {
   std::vector<Measured> up, down;  // form factors, one for each row
   std::vector<Measured> all;       // up + down
   // Intervals of up and down, from splitEnvironment() with form factors that have intervals; else empty. They hold
-  // where those of the form factors do.
+  // where the intervals of the form factors do.
   std::vector<Interval> up_intervals, down_intervals;
   // An Extent is what a row's intervals need to know of it.
   struct Extent {
@@ -57,7 +57,7 @@ struct EnvironmentParts {
 //   In: scene; request
 //   Out: see EnvironmentParts
 //   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.
-//     Standard errors are those of 8 replicates, of 4 to 8 where time was up. Tests: tests/unit/environment_test.cpp.
+//     Standard errors come from 8 replicates, from 4 to 8 where time was up. Tests: tests/unit/environment_test.cpp.
 //   Throws: Error bad_usage for a direction up of length 0 or a tolerance that is not above 0; Error limit where the
 //     observer stops the run.
 //   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene.

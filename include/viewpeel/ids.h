@@ -69,8 +69,8 @@ std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
 // Restricts ids to a question: sets roles, counts_environment, requested, splits_surfaces and rows_sum_to_one.
 //   In: ids: of this scene, as makeIds() returns them
-//   Throws: Error bad_usage for an unknown name, for a pair together with `from`, for a row or column that is among the
-//     blockers, and for a part of a surface with By::surface.
+//   Throws: Error bad_usage for an unknown name, and for a pair together with `from`. The same for a row or column that
+//     is among the blockers, and for a part of a surface with By::surface.
 //   Cost: O(polygons) for each name.
 void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids);
 

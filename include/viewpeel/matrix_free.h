@@ -63,7 +63,7 @@ constexpr double kMostMatrixBytes = 4.0 * (1u << 30);
 //   each direction: docs/method.md, section 15.
 //   In: scene; materials: grey, diffuse or directional; request
 //   Out: see MatrixFreeHeat. The first round's answers are kept where a later one is stopped.
-//   Error: standard errors are those of 8 replicates, carried to first order. The equations are solved to
+//   Error: standard errors come from 8 replicates, carried to first order. The equations are solved to
 //     request.residual. Tests: tests/unit/matrix_free_test.cpp, against the same counts in a matrix and closed forms.
 //   Throws: as assignMaterials, before anything is computed; Error bad_usage for bands of wavelengths; bad_input as
 //     solveHeat; limit where time is up, or the observer stops the run, before the first round is done.

@@ -1,5 +1,5 @@
-// Ranks are processes that share one computation, such as those of an MPI job. Rank 0 plans, decides, and has the
-// result; the other ranks count what it hands out. The library knows no MPI: a caller brings the communication.
+// Ranks are processes that share one computation, such as the processes of an MPI job. Rank 0 plans, decides, and has
+// the result; the other ranks count what it hands out. The library knows no MPI: a caller brings the communication.
 #pragma once
 #include <cstdint>
 #include <optional>

@@ -49,7 +49,7 @@ struct MaterialTable {
   };
 
   std::string file;                               // for messages
-  std::vector<Line> lines;                        // all lines but those of the environment
+  std::vector<Line> lines;                        // all lines but the environment's
   std::optional<double> environment_temperature;  // K; unset where sky and ground have temperatures
   std::optional<SkyAndGround> sky_and_ground{};
   std::vector<double> band_limits_um{};  // as in Enclosure

@@ -62,14 +62,14 @@ struct OutputContent {
   // Sky and ground apart: .csv gets the entries `environment:up` and `environment:down`, .rows.csv, .h5, .json and .vtp
   // columns. May be nullptr.
   const EnvironmentParts* parts = nullptr;
-  // The form factors are those of environmentAlone(): files have no matrix, leak nor row sums. Formats are .csv,
+  // The form factors come from environmentAlone(): files have no matrix, leak nor row sums. Formats are .csv,
   // .rows.csv, .h5, .json and .vtp.
   bool has_environment_alone = false;
 };
 
-// Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i, or
-// the files of an OpenFOAM case into its folder (docs/formats.md). The file is written under another name and then
-// renamed, so no reader ever sees a part of it.
+// Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i
+// (docs/formats.md). Into the folder of an OpenFOAM case it writes the files of the case. The file is written under
+// another name and then renamed, so no reader ever sees a part of it.
 //   NAME.rows.csv has a line for each row: area, environment, leak, row sum and errors. NAME.errors.mtx and
 //     NAME.errors.npz have the standard errors.
 //   With balanced form factors a .csv has one more column, and a .h5 one more group. NAME.mtx and NAME.npz get a second
@@ -78,10 +78,10 @@ struct OutputContent {
 //   In: content: of n rows; file: a path whose folder exists    Out: the files that filesOf() names
 //   Error: none: numbers are the same doubles. Tests: tests/unit/output_test.cpp, tests/files/output_files_test.cpp,
 //     tests/files/calculix_test.cpp, tests/program/fault_test.cpp.
-//   Throws: Error bad_usage for an unknown extension, for .vtp without a scene, for .html where the page was not built
-//     (VIEWPEEL_BUILD_REPORT), for the environment alone in a format that is all matrix, and for an unknown name in
-//     content.shown; Error limit for a .h5 that does not fit into memory; Error output, naming the file and the
-//     system's reason.
+//   Throws: Error bad_usage for an unknown extension, for .vtp without a scene, and for .html where the page was not
+//     built (VIEWPEEL_BUILD_REPORT). The same for the environment alone in a format that is all matrix, and for an
+//     unknown name in content.shown; Error limit for a .h5 that does not fit into memory; Error output, naming the
+//     file and the system's reason.
 //   Cost: O(nonzeros + polygons). .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
@@ -100,8 +100,8 @@ std::vector<std::filesystem::path> filesOf(const std::filesystem::path& file, bo
 
 // Refuses a file that writeFormFactors() would refuse. Callers use it before anything is computed.
 //   In: has_scene: whether the content will have a scene
-//   Throws: Error bad_usage for an unknown extension, for a name that the balanced form factors take, for .vtp without
-//     a scene, for .html where the page was not built, and for a file that cannot be written.
+//   Throws: Error bad_usage for an unknown extension, for a name that the balanced form factors take, and for a file
+//     that cannot be written. The same for .vtp without a scene, and for .html where the page was not built.
 //   Cost: a small file is written and removed.
 void checkOutput(const std::filesystem::path& file, bool with_balance = false, bool has_scene = true);
 
@@ -115,7 +115,7 @@ void checkEnvironmentOutput(const std::filesystem::path& file);
 //   Throws: Error bad_usage, naming the row or setting that does not fit.    Cost: O(rows), and reading the case.
 void checkRows(const std::filesystem::path& file, const Scene& scene, const Ids& ids);
 
-// Refuses names for OutputContent::shown that are not those of a row.
+// Refuses names for OutputContent::shown that no row has.
 //   In: ids: of the scene; names: as OutputContent::shown
 //   Throws: Error bad_usage for an absent surface or face, or a part of a row.    Cost: O(polygons) for each name.
 void checkShown(const Scene& scene, const Ids& ids, const std::vector<std::string>& names);

@@ -13,8 +13,8 @@ constexpr double kPastBlockerError = 1e-7;
 // Returns F from polygon a to polygon b, fronts only, with one blocker that stops light on both of its sides:
 //   F = 1/A int_a (f(x, b) - f(x, b within the blocker's shadow from x)) dx,
 //   2 pi f(x, polygon) = - sum_k angle(r_k, r_k+1) n . (r_k x r_k+1) / |r_k x r_k+1|,   r_k = corner_k - x (Lambert).
-// First a is cut along every line from which a corner of b and an edge of the blocker are seen in one place, or a
-// corner of the blocker and an edge of b. It is also cut along the blocker's plane. On each piece the integrand is
+// First a is cut along every line from which a corner of b and an edge of the blocker are seen in one place. It is cut
+// likewise for corners of the blocker and edges of b, and along the blocker's plane. On each piece the integrand is
 // analytic. Below an edge close to a, the integrand changes over a distance of the edge's height. So a is cut there
 // into strips of growing width. The pieces are cut into triangles, and the triangle of largest error is halved again
 // and again.

@@ -18,7 +18,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Work { WorkL
 const double kPi = 3.14159265358979323846LF;
 
 // Sides are the two sides of a pair, the lower number first, so that (i, j) and (j, i) have the same result. Here
-// ShapeData::plane and tie_rank are those of the side, which may be a polygon's back.
+// ShapeData::plane and tie_rank are of the side, which may be a polygon's back.
 struct Sides {
   ShapeData a, b;
   dvec3 normal_a, normal_b;  // unit normals of the sides

@@ -121,7 +121,8 @@ TEST_F(CalculiX, CcxSolvesSixWallsWithAnyMatrix) {
 }
 
 // As a user does it, the program computes and ccx solves. The test compares ccx with the radiosity of the form factors
-// in the file. It also compares the error of these with the tolerance, for walls of a box have closed forms.
+// in the file. It also compares the error of these form factors with
+// the tolerance, for walls of a box have closed forms.
 TEST_F(CalculiX, ProgramComputesWhatCcxReads) {
   write("job.inp", deck(radiating()));
   const std::string command =

@@ -38,7 +38,7 @@ std::string house(const std::string& rules = "World") {
          "Shading:Building:Detailed,Board,,4,0,6,0,4,6,0,4,6,2.5,0,6,2.5;\n";
 }
 
-// These are form factors from the south wall to the overhang, and from the north wall to the board.
+// Both return form factors: from the south wall to the overhang, and from the north wall to the board.
 double toOverhang() { return reference::perpendicularRectangles({0, 2.5}, {0, 4}, {0, 4}, {0, 1.5}); }
 double toBoard() { return reference::parallelRectangles({0, 4}, {0, 2.5}, {0, 4}, {0, 2.5}, 3); }
 

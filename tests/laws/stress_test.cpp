@@ -72,7 +72,7 @@ TEST(Stress, GapsBetweenPlates) {
   for (double gap : {1.0, 1e-2, 1e-4, 1e-6, 1e-7, 1e-8})
     for (const TestRun& run : runs) {
       const bool draws = run.engine == EngineKind::graphics;
-      // The graphics engine is slow. Its counts equal those of the other engines (peel_test.cpp), so three gaps do.
+      // The graphics engine is slow. Its counts equal the other engines' (peel_test.cpp), so three gaps do.
       if (draws && gap < 0.5 && gap > 2e-7) continue;
       SCOPED_TRACE(fmt::format("gap {}, {}", gap, run.name));
       const Estimate facing = estimateScene(plates(gap, true), run), apart = estimateScene(plates(gap, false), run);

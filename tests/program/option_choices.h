@@ -1,5 +1,5 @@
-// These are the options and scenes of option_pairs_test, the contradictions between options, and the runs that cover
-// all pairs of choices.
+// This file has the options and scenes of option_pairs_test, the contradictions between options, and the runs that
+// cover all pairs of choices.
 #pragma once
 #include <cstddef>
 #include <string>

@@ -1,4 +1,4 @@
-// Rows and columns stand in the order of the faces in the file in every format, whatever counts them, and guessed form
+// Rows and columns stand in the order of the faces in the file in every format, whatever counts them. Guessed form
 // factors are marked in every format that has a column for it.
 #include <fmt/format.h>
 

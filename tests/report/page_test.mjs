@@ -158,7 +158,7 @@ test('pictures at three widths', async () => {
     const page = await openPage(browser, file, { width, height, colorScheme });
     await page.colours();
     await page.tab.screenshot({ path: join(pictures, `${width}-${colorScheme}.png`) });
-    // Nothing is wider than the window. Tables fit their panels; on a telephone those of pairs with their errors scroll.
+    // Nothing is wider than the window. Tables fit their panels; on a telephone the table of errors scrolls.
     for (const name of ['Selection', 'Largest', 'Surfaces', 'Errors', 'Matrix', 'Run']) {
       await page.panel(name);
       const wide = await page.tab.evaluate(() => document.documentElement.scrollWidth);

@@ -85,7 +85,7 @@ TEST(PairDirections, MeansAreFormFactors) {
         continue;  // the contour integral cannot compute this pair
       }
       const Measured found = measurePair(placed.scene, regionOf(placed.scene), 16, replicates);
-      // Smaller form factors are those of far pairs, whose contour integral has a relative error of 1e-10.
+      // Smaller form factors are of far pairs, whose contour integral has a relative error of 1e-10.
       double truth_error = truth < 1e-9 ? 1e-8 * truth : kAreaRounding + reference::kContourError;
       // These polygons are nearly folded flat. Only directions within 1e-6 rad of their planes see less than all, by
       // half, and the sample has none of them.

@@ -127,8 +127,8 @@ TEST(Leaks, HiddenAreaIsMeasured) {
   }
 }
 
-// A sheet stands across a corner of the floor, so that rays from wall and floor end on its back. The shares are those
-// of radiation, however rays are shared out among polygons: weights that are 0 for the floor but for little leave the
+// A sheet stands across a corner of the floor, so that rays from wall and floor end on its back. The shares are of
+// radiation, however rays are shared out among polygons: weights that are 0 for the floor but for little leave the
 // floor's share as it is. 16,384 rays or 2,000 on backs are known to 1 / sqrt(2,000) = 0.022 each; four of these, and
 // more for rays that stand for ten times the area of others.
 TEST(Leaks, SharesAreOfRadiation) {
