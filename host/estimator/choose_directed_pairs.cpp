@@ -19,7 +19,7 @@ namespace {
 constexpr uint32_t kPilots = 8, kPilotDirections = 16, kUsualDirections = 32;
 // The unit of work is the time that one polygon takes at one lattice point, some 10 ns. Costs were measured on lavapipe
 // and are used on every device, so that parts of a run on different devices choose alike.
-// The costs of projecting a polygon are along a common direction, and along a direction of a directed pair.
+// The costs are of projecting a polygon along a common direction, and along a direction of a directed pair.
 constexpr double kPolygonCost = 100, kDirectedPolygonCost = 30;
 constexpr double kPointCost = 4;  // of a lattice point, where blocked pairs are counted, too
 constexpr double kDirectionCost = 2000, kEngineCost = 2e7;

@@ -124,8 +124,9 @@ class Planner {
   std::vector<double> ratios_;                // perimetersPerAreaSquared
   std::vector<double> areas_;                 // by id, unit-ball units squared
   double whole_area_ = 0, largest_face_ = 0;  // area of all ids, and of the largest face, in the same units
-  // Each id's position in an order that keeps neighbours in space together: uint32_t[id]. Pairs of few lines take their
-  // visibility from neighbours in this order (neighbour_visibility.h). Empty where form factors come from counts alone.
+  // ranks_ has each id's position in an order that keeps neighbours in space together: uint32_t[id]. Pairs of few lines
+  // take their visibility from neighbours in this order (neighbour_visibility.h). It is empty where form factors come
+  // from counts alone.
   std::vector<uint32_t> ranks_;
   std::vector<uint32_t> id_of_face_;  // uint32_t[face] where unoccluded form factors are used; else empty
   std::vector<SizeClass> classes_;

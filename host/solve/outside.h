@@ -14,8 +14,8 @@ struct Outside {
   double up_power = 0, down_power = 0;  // W/m2; equal where there is one environment
   Eigen::VectorXd up_share;             // by row, of its exchange with the environment; 1 where there is one
   Eigen::VectorXd power;                // by row: up_share up_power + (1 - up_share) down_power
-  // Errors of each row's exchange area with the part above the horizon, a vector over rows for each replicate. Their
-  // squares add up to the variance. Empty where there is one environment.
+  // up_errors has the errors of each row's exchange area with the part above the horizon, a vector over rows for each
+  // replicate. Their squares add up to the variance. It is empty where there is one environment.
   std::vector<Eigen::VectorXd> up_errors;
 };
 

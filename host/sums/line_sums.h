@@ -46,8 +46,8 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
 struct LineCount {
   uint32_t pair;    // index of the pair
   uint32_t blocks;  // blocks of 16 lines that each part drew
-  // The weights of the lines that nothing blocks, and of all lines. The unit is such that `all` is kLineUnit
-  // on average for LinePair::blocks blocks.
+  // `facing` is the weight of the lines that nothing blocks, `all` the weight of all lines. The unit is such that `all`
+  // is kLineUnit on average for LinePair::blocks blocks.
   uint32_t facing, all;
   // This is the number of independent lines of equal weight that carry as much information, eq. (48a) of
   // docs/method.md, in units of 1/256.

@@ -21,8 +21,8 @@ struct BalancedFormFactors {
   // The balanced form factors have the entries and the standard errors of the measured ones, in the
   // same order. Environment and leak are 0.
   FormFactors form_factors;
-  // The multipliers y_i: double[row]. A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)), and for a row that sees
-  // itself A_i F_ii = max(0, c_ii + w_ii y_i).
+  // row_corrections has the multipliers y_i: double[row]. A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)). A row that sees
+  // itself has A_i F_ii = max(0, c_ii + w_ii y_i).
   std::vector<double> row_corrections;
   uint32_t steps = 0;  // steps that Newton's method took
 

@@ -28,7 +28,7 @@ struct Progress {
   Phase phase = Phase::planning;
   uint64_t replicates = 0;                   // complete replicates; for a guarantee complete blocks
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
-  // The directions counted in the current replicate, and the directions that it has in all. The second number is 0
+  // `directions` are counted in the current replicate, which has directions_of_replicate in all. The second number is 0
   // during a pilot.
   uint64_t directions = 0, directions_of_replicate = 0;
   uint64_t expected_blocks = 0, most_blocks = 0;  // of a guarantee

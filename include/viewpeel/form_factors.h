@@ -29,8 +29,8 @@ class FormFactors {
   struct Entry {
     uint32_t i, j;           // i <= j; j may be kEnvironment or kLeak
     Measured exchange_area;  // input units squared
-    // Root mean square error that the entry adds to a sum over many entries. It may be smaller than the standard error,
-    // which allows for what one entry's lines cannot show. 0: as the standard error.
+    // This is the root mean square error that the entry adds to a sum over many entries. It may be smaller than the
+    // standard error, which allows for what one entry's lines cannot show. 0 stands for the standard error.
     double error_in_sums = 0;
 
     double errorInSums() const { return error_in_sums > 0 ? error_in_sums : exchange_area.standard_error; }

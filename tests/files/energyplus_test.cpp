@@ -52,7 +52,7 @@ std::vector<Wall> lShape() {
           slab("Floor-2", "L", {{b, b, 0}, {a, b, 0}, {a, a, 0}, {b, a, 0}}, 0)};
 }
 
-// View3D's view factors of lShape() from the example file, for i < j in the order of its walls.
+// kExample has View3D's view factors of lShape() from the example file, for i < j in the order of its walls.
 constexpr double kExample[10][10] = {
     {0, 0.10131, 0.024387, 0.009005, 0.082639, 0.083659, 0.333727, 0.015772, 0.333728, 0.015772},
     {0, 0, 0.08366, 0.082633, 0.009005, 0.024383, 0.182649, 0.166856, 0.182648, 0.166856},
