@@ -64,7 +64,7 @@ int firstColumn(int size, int64_t value, double reciprocal, int width) {
   return x > 0 && at - int64_t(size) >= int64_t(0) ? x - 1 : x;
 }
 
-// Cuts the columns [low, high) of a row down to columns on the polygon's side of an edge.
+// Narrows the range [low, high) of a row's columns to the columns on the polygon's side of an edge.
 //   In: value: the edge's value at the row's first column; width: number of columns in the row
 void cutRow(Edge edge, int64_t value, int width, inout int low, inout int high) {
   int size = max(abs(edge.a), 1);

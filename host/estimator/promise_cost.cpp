@@ -18,7 +18,6 @@ constexpr double kEstimatePart = 2e-6, kEstimateLine = 18e-9;      // in all rep
 constexpr double kPromisePart = 0.6e-6, kBlockerOfPart = 0.25e-6;  // in all looks
 constexpr double kPromiseLine = 20e-9, kCandidate = 5e-9, kStrataLine = 8e-9;
 constexpr double kBlockerOfLine = 1e-9, kBlockerOfStrata = 0.6e-9;  // of a line
-constexpr double kFurther = 1.3;  // lines of an estimate with replicates beyond its plan, over planned lines
 constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines in all its replicates
 
 // Returns the lines that an estimate draws for a part, pilots included (PairLines::plan).
@@ -51,7 +50,7 @@ void PromiseCost::add(const EntryLines& entry, double weight) {
   double sum = 0, lines = 0;
   for (const double exchange : entry.exchanges) sum += partOf(exchange);
   for (const double exchange : entry.exchanges)
-    lines += kFurther * estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
+    lines += kLinesOverPlan * estimatedLines(entry.share, allowed * std::sqrt(partOf(exchange) / sum) / exchange);
   estimate_s_ += weight * (lines * (kEstimateLine + blocking) + parts * kEstimatePart);
   const double of_lines = weight * (entry.lines * (kPromiseLine + blocking) + entry.candidates * kCandidate +
                                     entry.strata * (kStrataLine + kBlockerOfStrata * entry.blockers / parts) +

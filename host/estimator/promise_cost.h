@@ -17,6 +17,9 @@ constexpr double kPromiseWorth = 2;
 // known to a factor of two.
 constexpr double kPromiseSeconds = 0.5;
 
+// An estimate draws about this multiple of its planned lines, replicates beyond the plan included.
+constexpr double kLinesOverPlan = 1.3;
+
 // A SharedWork is what promise and estimate both do.
 struct SharedWork {
   size_t faces = 0;

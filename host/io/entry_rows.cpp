@@ -1,25 +1,18 @@
 #include "io/entry_rows.h"
 
-#include <algorithm>
-
 #include "threads.h"
 
 namespace viewpeel {
 
 EntryRows::EntryRows(const FormFactors& form_factors)
-    : form_factors_(form_factors),
-      is_requested_(form_factors.ids().count()),
-      starts_(form_factors.ids().count() + 1, 0),
-      mirrored_starts_(form_factors.ids().count() + 1, 0) {
+    : form_factors_(form_factors), starts_(count() + 1, 0), mirrored_starts_(count() + 1, 0) {
   const std::vector<FormFactors::Entry>& entries = form_factors.entries();
-  const uint32_t count = form_factors.ids().count();
   const auto isMirrored = [](const FormFactors::Entry& entry) { return entry.j < kEnvironment && entry.j != entry.i; };
   for (const FormFactors::Entry& entry : entries) {
     ++starts_[entry.i + 1];
     if (isMirrored(entry)) ++mirrored_starts_[entry.j + 1];
   }
-  for (uint32_t i = 0; i < count; ++i) {
-    is_requested_[i] = form_factors.ids().isRequested(i);
+  for (uint32_t i = 0; i < count(); ++i) {
     starts_[i + 1] += starts_[i];
     mirrored_starts_[i + 1] += mirrored_starts_[i];
   }
@@ -29,16 +22,16 @@ EntryRows::EntryRows(const FormFactors& form_factors)
     if (isMirrored(entries[pair])) mirrored_[next[entries[pair].j]++] = pair;
 }
 
-void printEntries(const EntryRows& rows, uint32_t count, std::ostream& out,
+void printEntries(const EntryRows& rows, std::ostream& out,
                   const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print) {
   constexpr size_t kEntriesOfText = 10'000;  // some ms of work and half a MB of text
   const size_t threads = threadCount();
   std::vector<fmt::memory_buffer> texts(4 * threads);
   std::vector<uint32_t> ends;  // [texts] one past the last row of each text
-  for (uint32_t first = 0; first < count; first = ends.back()) {
+  for (uint32_t first = 0; first < rows.count(); first = ends.back()) {
     ends.clear();
-    for (uint32_t row = first; row < count && ends.size() < texts.size(); ends.push_back(row))
-      for (size_t entries = 0; row < count && entries < kEntriesOfText; ++row) entries += rows.countOf(row);
+    for (uint32_t row = first; row < rows.count() && ends.size() < texts.size(); ends.push_back(row))
+      for (size_t entries = 0; row < rows.count() && entries < kEntriesOfText; ++row) entries += rows.countOf(row);
     shareOut(threads, ends.size(), 1, [&](size_t, size_t k) {
       texts[k].clear();
       for (uint32_t row = k ? ends[k - 1] : first; row < ends[k]; ++row)

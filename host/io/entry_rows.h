@@ -24,14 +24,22 @@ class EntryRows {
   // In: form_factors: n ids; must live as long as the rows    Cost: O(pairs + n).
   explicit EntryRows(const FormFactors& form_factors);
 
+  // Returns n.
+  uint32_t count() const { return form_factors_.ids().count(); }
   // Returns the number of entries of row i. It is 0 for rows that were not requested.
   size_t countOf(uint32_t i) const {
-    return is_requested_[i] ? mirrored_starts_[i + 1] - mirrored_starts_[i] + starts_[i + 1] - starts_[i] : 0;
+    if (!form_factors_.ids().isRequested(i)) return 0;
+    return mirrored_starts_[i + 1] - mirrored_starts_[i] + starts_[i + 1] - starts_[i];
   }
-  // Calls use(RowEntry) for each entry of row i in the order of columns; environment and leak come last.
+  // Calls use(RowEntry) for each nonzero entry of the requested rows, row by row.
+  template <class Use>
+  void forEach(const Use& use) const {
+    for (uint32_t i = 0; i < count(); ++i) forEachOf(i, use);
+  }
+  // Calls use(RowEntry) for each entry of row i in the order of columns, and for environment and leak at the end.
   template <class Use>
   void forEachOf(uint32_t i, const Use& use) const {
-    if (!is_requested_[i]) return;
+    if (!form_factors_.ids().isRequested(i)) return;
     const double area = form_factors_.ids().areas[i];
     const auto call = [&](uint32_t j, size_t pair) {
       const Measured& exchange = form_factors_.entries()[pair].exchange_area;
@@ -50,23 +58,14 @@ class EntryRows {
 
  private:
   const FormFactors& form_factors_;
-  std::vector<uint8_t> is_requested_;    // [n]
   std::vector<size_t> starts_;           // [n + 1]; first pair (i, j) of row i, i <= j
   std::vector<size_t> mirrored_starts_;  // [n + 1]; first of row i in mirrored_
   std::vector<size_t> mirrored_;         // pairs (j, i) of row i, j < i
 };
 
-// Calls use(RowEntry) for each nonzero entry of the requested rows, row by row.
-//   Cost: O(pairs) work, and 8 bytes of memory a pair.
-template <class Use>
-void forEachEntry(const FormFactors& form_factors, const Use& use) {
-  const EntryRows rows(form_factors);
-  for (uint32_t i = 0; i < form_factors.ids().count(); ++i) rows.forEachOf(i, use);
-}
-
 // Writes the text of each nonzero entry of the requested rows, row by row. All threads make texts, each of some rows.
 //   In: print(entry, text): appends to the text; threads call it at the same time    Cost: O(pairs).
-void printEntries(const EntryRows& rows, uint32_t count, std::ostream& out,
+void printEntries(const EntryRows& rows, std::ostream& out,
                   const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print);
 
 }  // namespace viewpeel

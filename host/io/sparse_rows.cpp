@@ -15,17 +15,16 @@ SparseRows compressRows(const FormFactors& form_factors) {
   SparseRows sparse;
   sparse.starts.assign(ids.rowCount() + 1, 0);
   const EntryRows entries(form_factors);
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    entries.forEachOf(i, [&](const RowEntry& entry) {
-      if (entry.j >= kEnvironment) return;
-      ++sparse.starts[rows[i] + 1];
-      sparse.columns.push_back(static_cast<int32_t>(rows[entry.j]));
-      sparse.form_factors.push_back(entry.form_factor.value);
-      sparse.standard_errors.push_back(entry.form_factor.standard_error);
-      if (!form_factors.hasIntervals()) return;
-      const Interval interval = entries.intervalOf(entry);
-      sparse.lower.push_back(interval.lower), sparse.upper.push_back(interval.upper);
-    });
+  entries.forEach([&](const RowEntry& entry) {
+    if (entry.j >= kEnvironment) return;
+    ++sparse.starts[rows[entry.i] + 1];
+    sparse.columns.push_back(static_cast<int32_t>(rows[entry.j]));
+    sparse.form_factors.push_back(entry.form_factor.value);
+    sparse.standard_errors.push_back(entry.form_factor.standard_error);
+    if (!form_factors.hasIntervals()) return;
+    const Interval interval = entries.intervalOf(entry);
+    sparse.lower.push_back(interval.lower), sparse.upper.push_back(interval.upper);
+  });
   for (size_t row = 1; row < sparse.starts.size(); ++row) sparse.starts[row] += sparse.starts[row - 1];
   return sparse;
 }

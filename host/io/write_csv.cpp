@@ -36,7 +36,7 @@ void writeCsv(const OutputContent& content, std::ostream& out) {
     add(text, FMT_COMPILE("{}{}\n"), has_guesses ? ",0" : "", content.balanced ? "," : "");
   };
   const EntryRows rows(form_factors);
-  printEntries(rows, form_factors.ids().count(), out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
+  printEntries(rows, out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
     const auto& [i, j, f, pair] = entry;
     const std::string_view to = j == kEnvironment ? "environment" : j == kLeak ? "leak" : std::string_view(names[j]);
     add(text, FMT_COMPILE("{},{},{},{}"), names[i], to, f.value, f.standard_error);

@@ -111,8 +111,7 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   const Ids& ids = form_factors.ids();
   uint64_t nonzeros = 0;
   const EntryRows entries(form_factors);
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    entries.forEachOf(i, [&](const RowEntry& entry) { nonzeros += entry.j < kEnvironment; });
+  entries.forEach([&](const RowEntry& entry) { nonzeros += entry.j < kEnvironment; });
   fmt::print(out,
              "%%MatrixMarket matrix coordinate real general\n% {}; per row: number, area, environment share, name\n"
              "% rows and columns stand in the order of the scene file's faces, or with --by surface of its surfaces\n",
@@ -130,7 +129,7 @@ void writeMatrixMarket(const FormFactors& form_factors, std::ostream& out, const
   }
   writeEmptyBefore(ids.rowCount());
   fmt::print(out, "{} {} {}\n", ids.rowCount(), ids.rowCount(), nonzeros);
-  printEntries(entries, ids.count(), out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
+  printEntries(entries, out, [&](const RowEntry& entry, fmt::memory_buffer& text) {
     if (entry.j < kEnvironment)
       fmt::format_to(fmt::appender(text), FMT_COMPILE("{} {} {}\n"), rows[entry.i] + 1, rows[entry.j] + 1,
                      entry.form_factor.value);

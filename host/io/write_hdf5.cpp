@@ -65,7 +65,7 @@ void addPairs(Hdf5Output& out, const SparseRows& rows, const OutputContent& cont
     }
   if (hasGuesses(content)) {
     std::vector<uint8_t> is_guess;
-    forEachEntry(content.form_factors, [&](const RowEntry& entry) {
+    EntryRows(content.form_factors).forEach([&](const RowEntry& entry) {
       if (entry.j < kEnvironment) is_guess.push_back(isGuess(content, entry.i, entry.j));
     });
     out.write("is_guess", is_guess);

@@ -84,7 +84,7 @@ void writeJsonMembers(const OutputContent& content, std::ostream& out) {
   const std::vector<uint32_t> rows = form_factors.ids().rows();
   const char* separator = "\n";
   const EntryRows entries(form_factors);
-  const auto print = [&](const RowEntry& entry) {
+  entries.forEach([&](const RowEntry& entry) {
     const auto& [i, j, f, pair] = entry;
     if (j >= kEnvironment) return;
     fmt::print(out, "{}      [{}, {}, {}, {}", separator, rows[i], rows[j], numberOf(f.value),
@@ -97,8 +97,7 @@ void writeJsonMembers(const OutputContent& content, std::ostream& out) {
     if (balanced) fmt::print(out, ", {}", balanced->formFactor(i, j).value);
     out << "]";
     separator = ",\n";
-  };
-  for (uint32_t i = 0; i < form_factors.ids().count(); ++i) entries.forEachOf(i, print);
+  });
   out << "\n    ]\n  }";
 }
 

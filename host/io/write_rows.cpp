@@ -21,7 +21,7 @@ struct RowFigures {
 
 std::vector<RowFigures> figuresOf(const OutputContent& content) {
   std::vector<RowFigures> figures(content.form_factors.ids().count());
-  forEachEntry(content.form_factors, [&](const RowEntry& entry) {
+  EntryRows(content.form_factors).forEach([&](const RowEntry& entry) {
     RowFigures& row = figures[entry.i];
     row.largest_standard_error = std::max(row.largest_standard_error, entry.form_factor.standard_error);
     if (isGuess(content, entry.i, entry.j)) row.guessed += entry.form_factor.value;

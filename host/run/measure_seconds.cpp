@@ -2,6 +2,7 @@
 #include <algorithm>
 
 #include "directions/replicates.h"
+#include "estimator/promise_cost.h"
 #include "run/run_state.h"
 #include "stopwatch.h"
 #include <viewpeel/compute.h>
@@ -10,9 +11,9 @@ namespace viewpeel {
 namespace {
 
 constexpr double kTrialSeconds = 0.5;  // least time of a trial of directions
-// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned. In the
-// scenes of docs/speed.md these replicates are about four, with a quarter of the planned lines.
-constexpr double kFurtherReplicates = 4, kFurtherLines = 0.25;
+// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned: about four
+// in the scenes of docs/speed.md.
+constexpr double kFurtherReplicates = 4;
 
 }  // namespace
 
@@ -32,7 +33,7 @@ double FormFactorRun::State::measureLineSeconds() {
   begun = Clock::now();
   trial.step();
   const double comparing = std::max(0.0, secondsSince(begun) - step);
-  return replicates * step * (1 + kFurtherLines) + (kFurtherReplicates + 2) * comparing;
+  return replicates * step * kLinesOverPlan + (kFurtherReplicates + 2) * comparing;
 }
 
 // Times a few directions, and then as many as kTrialSeconds have room for. Returns the seconds of a direction.

@@ -18,8 +18,8 @@ constexpr double kGrazingShare = 1e-5;
 constexpr const char* kBalanceNeedsEveryRow = "--balance needs every row; leave out --from, --pair and --blocker";
 
 struct BalancedFormFactors {
-  // The balanced form factors have the entries and the standard errors of the measured ones, in the
-  // same order. Environment and leak are 0.
+  // The balanced form factors have the entries of the measured ones, in the same order, and their standard errors.
+  // Environment and leak are 0.
   FormFactors form_factors;
   // row_corrections has the multipliers y_i: double[row]. A_i F_ij = max(0, c_ij + w_ij (y_i + y_j)). A row that sees
   // itself has A_i F_ii = max(0, c_ii + w_ii y_i).

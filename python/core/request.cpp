@@ -11,7 +11,7 @@
 namespace viewpeel::python {
 namespace {
 
-// Returns what an argument of this type may be, for messages.
+// Says in words which values an argument of this type takes, for messages.
 template <class T>
 std::string expected() {
   if constexpr (std::is_same_v<T, bool>) return "True or False";

@@ -127,10 +127,10 @@ TEST(Leaks, HiddenAreaIsMeasured) {
   }
 }
 
-// A sheet stands across a corner of the floor, so that rays from wall and floor end on its back. The shares are of
-// radiation, however rays are shared out among polygons: weights that are 0 for the floor but for little leave the
-// floor's share as it is. 16,384 rays or 2,000 on backs are known to 1 / sqrt(2,000) = 0.022 each; four of these, and
-// more for rays that stand for ten times the area of others.
+// A sheet stands in a room, so that rays from walls and floor end on its back. A surface's share is of the radiation
+// that ends on backs, however many rays its polygons get. Surfaces with larger shares get more rays here, and no share
+// changes. Of 16,384 rays 2,000 end on backs, so shares are known to 1 / sqrt(2,000) = 0.022. The test allows four
+// times this, and more for rays that stand for ten times the area of others.
 TEST(Leaks, SharesAreOfRadiation) {
   InputScene input = named("sheet");
   ts::addRoom(input, "room", {0, 0, 0}, {1, 1, 1});
