@@ -38,25 +38,31 @@ inline std::string_view skipByteOrderMark(std::string_view text) {
   return text.substr(text.starts_with(kMark) ? kMark.size() : 0);
 }
 
-// Returns the first 20 bytes of a text for messages, with '?' in place of control characters. It does not cut within a
-// UTF-8 character.
-inline std::string printable(std::string_view text) {
-  size_t length = std::min<size_t>(text.size(), 20);
-  while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;
-  std::string out(text.substr(0, length));
+// Returns the text with '?' in place of control characters, so that it is one line in a message.
+inline std::string withoutControls(std::string_view text) {
+  std::string out(text);
   for (char& c : out)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
   return out;
 }
 
-// A FilePlace is a line of a file, for messages. Line 0 means that the place has no line, as in a binary part.
+// Returns the first 20 bytes of a text for messages, without controls. It does not cut within a UTF-8 character.
+inline std::string printable(std::string_view text) {
+  size_t length = std::min<size_t>(text.size(), 20);
+  while (length > 0 && length < text.size() && (text[length] & 0xC0) == 0x80) --length;
+  return withoutControls(text.substr(0, length));
+}
+
+// A FilePlace is a line of a file, for messages. Line 0 means that the place has no line, as in a binary part. The file
+// may have its name from another file, such as a table of materials.
 struct FilePlace {
   std::string file;
   uint32_t line = 0;
 
   [[noreturn]] void refuse(const std::string& what) const {
+    const std::string name = withoutControls(file);
     throw Error(ErrorCode::bad_input,
-                line ? fmt::format("{}:{}: {}", file, line, what) : fmt::format("{}: {}", file, what));
+                line ? fmt::format("{}:{}: {}", name, line, what) : fmt::format("{}: {}", name, what));
   }
 };
 

@@ -217,6 +217,7 @@ TEST_F(SolveProgram, DirectionalEmissivities) {
   refuse(header + "default,0.5,300,,cosine:-1\n", "m.csv:2: a power of -1 is not a number from 0 on");
   refuse(header + "default,0.5,300,,cosine:x\n", "m.csv:2: 'x' is not a number");
   refuse(header + "default,0.5,300,,none.csv\n", "none.csv: cannot be read; write cosine:POWER");
+  refuse(header + "default,0.5,300,,none.csv\x02\n", "none.csv?: cannot be read");  // the name is one line of text
   refuse(header + "default,0.5,300,,\nenvironment,,300,,cosine:1\n", "'environment' is black");
   refuse("surface,emissivity:0-3,emissivity:3-inf,temperature,heat_flux,directional\na,1,1,300,,\n",
          "'directional' beside columns of bands");
