@@ -144,14 +144,9 @@ double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& count
 
 double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
-  double exponent = options_.sampler == Sampler::iid && !options_.drawn_directions ? 1 : 2;
-  for (const Pilot& pilot : pilots_)
-    if (pilot.directions * 3 <= last.directions && pilot.variances.of_directions > 0 &&
-        last.variances.of_directions > 0)
-      exponent = std::clamp(std::log(pilot.variances.of_directions / last.variances.of_directions) /
-                                std::log(double(last.directions) / pilot.directions),
-                            1.0, 3.0);
-  return last.variances.of_directions * std::pow(last.directions / directions, exponent);
+  const double more = directions / last.directions;
+  const bool is_iid = options_.sampler == Sampler::iid && !options_.drawn_directions;
+  return last.variances.of_directions * (is_iid ? 1 / more : varianceLeft(last.variances.largest_of_met, more));
 }
 
 }  // namespace viewpeel

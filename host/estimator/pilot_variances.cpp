@@ -22,6 +22,7 @@ struct Residual {
 struct Moments {
   uint32_t i, j;
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
+  uint32_t met = 0;  // replicates that met the pair
 };
 
 // A Spread holds the variance of one replicate of one form factor, and the part of it that is due to the lattice.
@@ -62,6 +63,7 @@ void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<
     Moments& sum = merged.emplace_back(keyAt(mt, moments) == key ? *mt++ : Moments{key.first, key.second});
     const double x = keyAt(at, first) == key ? (at++)->counts : 0, y = keyAt(bt, second) == key ? (bt++)->counts : 0;
     sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
+    sum.met += x != 0 || y != 0;
   }
   moments = std::move(merged);
 }
@@ -92,6 +94,8 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
                    residualsOf(replicate.second, visibilities, id_of_face));
   }
 
+  PilotVariances variances;
+  variances.largest_of_met.assign(counted.size() + 1, 0);
   std::vector<Spread> spreads;  // of max(F_ij, F_ji)
   for (const Moments& m : moments) {
     double unit = (m.i == m.j ? 4 : 2) * measure_area / ids.smallerArea(m.i, m.j);
@@ -102,8 +106,10 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     }
     const Spread spread = spreadOf(m, double(n));
     spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
+    double& largest = variances.largest_of_met[m.met];
+    largest = std::max(largest, spreads.back().total);
   }
-  if (spreads.empty()) return {};
+  if (spreads.empty()) return variances;
   // Few replicates give a rough covariance. So the share of the lattice is a mean over the pairs with the largest
   // variances.
   const size_t top = std::clamp<size_t>(spreads.size() / 50, 1, 64);
@@ -114,7 +120,6 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     total += spread.total;
     between_lattices += spread.between_lattices;
   }
-  PilotVariances variances;
   variances.of_directions = total > 0 ? spreads[0].total * std::clamp(1 - between_lattices / total, 0.0, 1.0) : 0;
   // A covariance c of two counts of variance v from k degrees of freedom has the variance (v^2 + c^2) / k (Anderson, An
   // Introduction to Multivariate Statistical Analysis, 3.4).
@@ -122,6 +127,21 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
                               (2 * double(n - 1) * double(top)));
   for (const Spread& spread : spreads) variances.of_lattices = std::max(variances.of_lattices, spread.between_lattices);
   return variances;
+}
+
+double varianceLeft(double met, double more) { return (1 + met) / (more * (1 + met * more)); }
+
+double varianceLeft(const std::vector<double>& largest_of_met, double more) {
+  const double replicates = double(largest_of_met.size()) - 1;
+  double before = 0, after = 0;
+  for (size_t k = 0; k < largest_of_met.size(); ++k) {
+    // A replicate meets the pair with probability 1 - e^-m, where m directions of it do so in the mean. Where every
+    // replicate met the pair, m is the value that half a miss would give.
+    const double met = -std::log1p(-std::min(double(k), replicates - 0.5) / replicates);
+    before = std::max(before, largest_of_met[k]);
+    after = std::max(after, largest_of_met[k] * varianceLeft(met, more));
+  }
+  return before > 0 ? after / before : 1;
 }
 
 }  // namespace viewpeel

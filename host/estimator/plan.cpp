@@ -7,7 +7,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kFirstDirections = 16, kPilotDirections = 32;  // of the first pilot; least of a further pilot
+constexpr uint32_t kPilotDirections = 16;  // of the first pilot; least of a further pilot
 // An id that gets fewer lattice points, or scanlines, than this in the whole run is reported: no line may hit it.
 constexpr double kFewPoints = 5;
 constexpr double kDefaultTolerance = 1e-3;
@@ -97,7 +97,7 @@ Planner::Choice Planner::choose(bool by_time) const {
 
 Plan Planner::plan() {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
-  measure(kFirstDirections, {first, first});
+  measure(kPilotDirections, {first, first});
   Choice choice = choose();
   // A further pilot, whose lattice is nearer to the plan's, is counted where it costs little beside the run, or where
   // the predicted variance is doubtful.

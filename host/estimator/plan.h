@@ -46,8 +46,8 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
 //     with the largest variance, as written there. Every direction is counted on two lattices: the covariance of the
 //     two sums over replicates is V_directions, and the rest is V_lattice / N.
 //   V_lattice follows eq. (24), which gives the lattice that each polygon needs (tests/device/lattice_check_test.cpp).
-//     V_directions falls with N as several pilots show. With one pilot alone it is taken to fall as 1 / N^2, or as 1 /
-//     N for iid directions. The pilots also measure the time of a direction.
+//     V_directions falls with N by eq. (23a), or as 1 / N for iid directions. The pilots also measure the time of a
+//     direction.
 //   The plan tries powers of sqrt(2) for N and for the resolution, with one lattice or with groups (size_groups.h), and
 //     takes the choice of least time. Where form factors are visibilities times unoccluded form factors, the pilot's
 //     largest standard error is computed as the run computes it. Both variances are then scaled to it.
