@@ -125,15 +125,15 @@ void addCheck(CLI::App& app, Run& chosen) {
   startGroup(command, kHowExact);
   command->add_option("--directions", options->check.directions, "Random directions")
       ->type_name("N")
-      ->check(CLI::Range(1u, 1u << 20).description(""))
+      ->transform(isWholeNumberFrom(1, 1u << 20))
       ->capture_default_str();
   command->add_option("--lattices", options->check.lattices, "Random lattices per direction")
       ->type_name("M")
-      ->check(CLI::Range(8u, 1u << 20).description(""))
+      ->transform(isWholeNumberFrom(8, 1u << 20))
       ->capture_default_str();
   command->add_option("--resolution", options->check.resolutions, "Lattice spacings across the scene's diameter")
       ->type_name("PX")
-      ->check(CLI::Range(1, kMaxResolution).description(""))
+      ->transform(isWholeNumberFrom(1, kMaxResolution))
       ->allow_extra_args(false)
       ->capture_default_str();
   startGroup(command, kMachine);

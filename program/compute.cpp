@@ -196,15 +196,17 @@ bool prepare(const ComputeOptions& options, FormFactorRun& run, const Checkpoint
 }
 
 // Counts until the run ends, and keeps the checkpoint up to date.
-//   In: conclude_early: called for a run that was stopped; show: called to write the result so far
-void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<int()>& conclude_early,
-           const std::function<void()>& show) {
+//   In: on_step: called after each step; conclude_early: called for a run that was stopped; show: called to write the
+//     result so far
+void count(FormFactorRun& run, CheckpointKeeper* keeper, const std::function<void()>& on_step,
+           const std::function<int()>& conclude_early, const std::function<void()>& show) {
   const auto keep = [&](bool last) {
     if (keeper) keeper->keep(run, last);
   };
   try {
     do {
       run.step();
+      on_step();
       if (run.replicateCount() == 0) continue;
       const bool is_wanted = wantsResults();
       keep(is_wanted);
@@ -253,7 +255,17 @@ int runCompute(const ComputeOptions& options) {
     progress.clear();
     return conclude(options, result, run, scene, true, division, progress);
   };
-  count(run, keeper ? &*keeper : nullptr, concludeEarly, [&] {
+  const PlanSummary& plan = run.plan();
+  bool has_prediction = plan.pilot_seconds > 0 || plan.guarantee || plan.line_guarantee;  // then the plan says it
+  const auto predict = [&] {
+    const auto prediction = has_prediction || !options.talks() ? std::nullopt : progress.predict();
+    if (!prediction) return;
+    has_prediction = true;
+    progress.clear();
+    fmt::print("{}", *prediction);
+    std::fflush(stdout);
+  };
+  count(run, keeper ? &*keeper : nullptr, predict, concludeEarly, [&] {
     progress.clear();
     writeSoFar(options, run, scene);
   });

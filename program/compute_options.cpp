@@ -6,6 +6,8 @@
 #include "program/option_table.h"
 #include "program/options.h"
 #include "program/request_options.h"
+#include "program/warnings.h"
+#include "scene/leaks.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel::program {
@@ -99,6 +101,11 @@ void checkScene(const ComputeOptions& options, const Scene& scene) {
   const Ids ids = makeIds(scene, options.request.by, options.request.two_sided);
   checkShown(scene, ids, options.output.shown);
   for (const std::string& output : options.output.files) checkRows(output, scene, ids);
+}
+
+void warnOfBacksOf(const ComputeOptions& options, const Scene& scene) {
+  if (options.request.two_sided) return;
+  for (const std::string& line : warnOfBacks(scene)) warn(line);
 }
 
 }  // namespace viewpeel::program

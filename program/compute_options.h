@@ -41,5 +41,7 @@ void checkFiles(const ComputeOptions& options);
 // Refuses a scene without the surfaces of --show, or with rows that an output's format cannot hold.
 //   Throws: Error bad_usage.
 void checkScene(const ComputeOptions& options, const Scene& scene);
+// Warns of backs that fronts see, before anything is counted, unless polygons emit on both sides.
+void warnOfBacksOf(const ComputeOptions& options, const Scene& scene);
 
 }  // namespace viewpeel::program

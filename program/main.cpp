@@ -11,6 +11,7 @@
 
 #include "program/command_line.h"
 #include "program/commands.h"
+#include "commit.h"
 #include "program/help.h"
 #include "program/json_error.h"
 #include "program/mistakes.h"
@@ -68,7 +69,7 @@ int main(int argc, char** argv) {
       "viewpeel: form factors (view factors) of polygonal scenes with occlusion, for every pair at once, with a stated "
       "error",
       "viewpeel");
-  app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION);
+  app.set_version_flag("--version", "viewpeel " VIEWPEEL_VERSION VIEWPEEL_COMMIT);
   app.require_subcommand(1);
   viewpeel::program::Run chosen;
   viewpeel::program::Job job;

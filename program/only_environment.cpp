@@ -94,6 +94,7 @@ int computeOnlyEnvironment(const ComputeOptions& options) {
   progress.clear();
   if (options.talks()) fmt::print("{}{}", describeProcessor(), describeScene(scene));
   std::fflush(stdout);
+  warnOfBacksOf(options, scene);
   const EnvironmentRequest request = environmentRequestOf(options);
   const auto start = Clock::now();
   const EnvironmentParts parts = measureEnvironment(scene, request, {.on_progress = progress.listener()});

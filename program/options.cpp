@@ -69,7 +69,7 @@ void addThreadsOption(CLI::App* command) {
       ->add_option_function<uint32_t>("-j,--threads", limit,
                                       "Threads on the processor, at most; as many as it has cores for this program")
       ->type_name("N")
-      ->check(CLI::Range(1u, 4096u).description(""));
+      ->transform(isWholeNumberFrom(1, 4096u));
 }
 
 }  // namespace viewpeel::program

@@ -33,6 +33,20 @@ inline std::string isWholeNumber(const std::string& text) {
              : text + " is not a whole number from 0 to 2^64 - 1";
 }
 
+// Returns a check of whole numbers in a range. It rewrites 1e6 as 1000000, which CLI11 reads.
+inline CLI::Validator isWholeNumberFrom(uint64_t least, uint64_t most) {
+  return CLI::Validator(
+      [least, most](std::string& text) {
+        double value = 0;
+        if (!CLI::detail::lexical_cast(text, value) || value != std::floor(value) || value < double(least) ||
+            value > double(most))
+          return fmt::format("{} is not a whole number from {} to {}", text, least, most);
+        text = std::to_string(static_cast<uint64_t>(value));
+        return std::string();
+      },
+      "");
+}
+
 // Adds an option that takes one of a few words; the first is the default.
 template <class T>
 void addChoice(CLI::App* command, const std::string& name, T& value,

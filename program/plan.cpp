@@ -27,6 +27,7 @@ int runPlan(const ComputeOptions& options) {
   FormFactorRun run(scene, options.request);
   if (options.talks()) fmt::print("{}", describePlace(run, scene));
   std::fflush(stdout);
+  warnOfBacksOf(options, scene);
   std::optional<CheckpointKeeper> keeper;
   if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
   const PlanSummary& plan = run.makePlan();

@@ -10,12 +10,15 @@
 #include <unistd.h>
 
 #include "program/warnings.h"
+#include "run/summaries.h"
 
 namespace viewpeel::program {
 namespace {
 
 constexpr double kSecondsApart = 0.1, kSecondsApartInLogs = 60;
 constexpr size_t kColumns = 79;
+// A prediction needs this many seconds of counting, and is made where this many are left.
+constexpr double kLeastCounted = 1, kLeastLeft = 10;
 constexpr double kMostBeforeTheEnd = 0.99;  // shown at most before the end, for a running run has not reached its goal
 
 // The variable VIEWPEEL_PROGRESS_SECONDS sets the time between two lines of a log.
@@ -63,6 +66,12 @@ std::string describeCount(const Request& request, const Progress& progress) {
   return text;
 }
 
+// Returns the part of the fraction that earlier runs counted.
+double resumedFraction(const Request& request, const Progress& progress) {
+  const double all = progress.most_blocks ? double(progress.expected_blocks) : expectedReplicates(request, progress);
+  return progress.resumed ? double(progress.resumed) / std::max(all, 1.0) : 0;
+}
+
 }  // namespace
 
 std::optional<double> measureFraction(const Request& request, const Progress& progress, double elapsed_s) {
@@ -90,11 +99,26 @@ std::string describeProgress(const Request& request, const Progress& progress, d
                                                            : "counting";
   const std::optional<double> fraction = measureFraction(request, progress, elapsed_s);
   if (fraction) text += fmt::format(" {:2.0f} %", 100 * *fraction);
-  if (fraction && *fraction > 0 && counted_s > 0)
-    text += fmt::format(", {} left", inShort(counted_s * (1 - *fraction) / *fraction));
+  const double counted = fraction ? *fraction - resumedFraction(request, progress) : 0;
+  if (counted > 0 && counted_s > 0) text += fmt::format(", {} left", inShort(counted_s * (1 - *fraction) / counted));
   else text += fmt::format(", {}", inShort(elapsed_s));
   if (const std::string count = describeCount(request, progress); !count.empty()) text += "; " + count;
   return text.substr(0, kColumns);
+}
+
+std::optional<std::string> predictEnd(const Request& request, const Progress& progress, double counted_s) {
+  const bool has_end = !progress.most_blocks && !request.time_limit_s &&
+                       !std::holds_alternative<Seconds>(request.goal) &&
+                       !std::holds_alternative<Relative>(request.goal);
+  const uint64_t counted = progress.replicates - progress.resumed;
+  if (!has_end || progress.phase != Progress::Phase::counting || counted == 0 || counted_s < kLeastCounted)
+    return std::nullopt;
+  const double expected = expectedReplicates(request, progress),
+               left = counted_s * (expected - double(progress.replicates)) / double(counted);
+  if (!(left >= kLeastLeft)) return std::nullopt;
+  const double rounded = expected < 1000 ? expected : std::round(expected / 100) * 100;
+  return fmt::format("expected   {}{:.0f} replicates in all, {} more\n", toleranceOf(request) ? "about " : "", rounded,
+                     inWords(left));
 }
 
 ProgressLine::ProgressLine(const Request& request, bool shows)
@@ -118,7 +142,12 @@ void ProgressLine::clear() const {
   if (shows_ && is_terminal_) fmt::print(stderr, "\r\033[K");
 }
 
+std::optional<std::string> ProgressLine::predict() const {
+  return predictEnd(request_, last_, secondsSince(counting_));
+}
+
 void ProgressLine::show(const Progress& progress) {
+  last_ = progress;
   const bool is_new_phase = std::exchange(phase_, progress.phase) != std::optional(progress.phase);
   if (is_new_phase && progress.phase == Progress::Phase::counting) counting_ = Clock::now();
   const bool is_due = secondsSince(shown_) >= seconds_apart_;

@@ -19,6 +19,10 @@ std::optional<double> measureFraction(const Request& request, const Progress& pr
 //   In: elapsed_s: since the run began; counted_s: since counting began
 std::string describeProgress(const Request& request, const Progress& progress, double elapsed_s, double counted_s);
 
+// Returns how long an estimate with an end takes, from the replicates that it has counted, for a run of more than some
+// seconds; else nothing.    In: counted_s: since counting began    Out: a line of the summary
+std::optional<std::string> predictEnd(const Request& request, const Progress& progress, double counted_s);
+
 class ProgressLine {
  public:
   // In: request: kept by reference; shows: false for --quiet
@@ -28,6 +32,8 @@ class ProgressLine {
   // Returns a function for Observer::on_progress; empty where nothing is shown. It keeps a reference to this object.
   std::function<void(const Progress&)> listener();
   void clear() const;
+  // Returns predictEnd() of the last progress.
+  std::optional<std::string> predict() const;
 
  private:
   void show(const Progress& progress);
@@ -36,7 +42,8 @@ class ProgressLine {
   bool shows_, is_terminal_;
   double seconds_apart_;
   Clock::time_point start_ = Clock::now(), shown_ = start_, counting_ = start_;
-  std::optional<Progress::Phase> phase_;  // phase at the last call of show()
+  Progress last_;                         // what show() had last
+  std::optional<Progress::Phase> phase_;  // its phase; nothing before the first call
 };
 
 }  // namespace viewpeel::program

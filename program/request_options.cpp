@@ -68,7 +68,7 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->check(CLI::Range(2.001, 100.0).description(""));
   command->add_option("--block", guarantee.block_directions, "Of a guarantee: directions of a block; chosen")
       ->type_name("N")
-      ->check(CLI::Range(1u, 1u << 16).description(""));
+      ->transform(isWholeNumberFrom(1, 1u << 16));
   addChoice(command, "--statistic", guarantee.statistic, {{"mean", Statistic::mean}, {"median", Statistic::median}},
             "Of a guarantee: the mean of jittered directions, or the median of runs of independent ones");
 }
@@ -76,24 +76,24 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
 void addAmountOptions(CLI::App* command, Amount& amount) {
   command->add_option("--directions", amount.directions, "Directions per replicate, in place of a plan")
       ->type_name("N")
-      ->check(CLI::Range(1u, 1u << 30).description(""));
+      ->transform(isWholeNumberFrom(1, 1u << 30));
   command
       ->add_option("--replicates", amount.replicates,
                    "Independent replicates, at least; their spread gives the standard errors")
       ->type_name("R")
-      ->check(CLI::Range(2u, 1u << 30).description(""))
+      ->transform(isWholeNumberFrom(2, 1u << 30))
       ->capture_default_str();
   command
       ->add_option("--resolution", amount.resolution,
                    "Lattice spacings across the scene's diameter; planned, or 64 with --directions")
       ->type_name("PX")
-      ->check(CLI::Range(1, kMaxResolution).description(""));
+      ->transform(isWholeNumberFrom(1, kMaxResolution));
   command
       ->add_option("--finest", amount.finest,
                    "With --directions and --resolution: spacings for the polygon that needs most of them, in windows; "
                    "the others get their share")
       ->type_name("PX")
-      ->check(CLI::Range(1, kMaxWindowResolution).description(""));
+      ->transform(isWholeNumberFrom(1, kMaxWindowResolution));
 }
 
 void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& options) {
@@ -173,7 +173,7 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command) {
           ->add_option("--first-replicate", request.first_replicate,
                        "Count exactly --replicates from this one on: a part of a run, for viewpeel merge")
           ->type_name("K")
-          ->check(CLI::Range(uint64_t(0), uint64_t(1) << 39).description(""))
+          ->transform(isWholeNumberFrom(0, uint64_t(1) << 39))
           ->capture_default_str();
   command
       ->add_option("--part", options->part,

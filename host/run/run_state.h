@@ -135,6 +135,8 @@ struct FormFactorRun::State {
   double measureLineSeconds();
   double measureDirectionSeconds();
   void begin();
+  template <class Run>
+  void beginEstimate(const Run& run);
   void step();
   Estimate estimateOfNothing() const;
   Result resultOf(Estimate estimate) const;

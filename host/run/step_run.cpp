@@ -63,6 +63,13 @@ double FormFactorRun::State::commonCountArea() const {
   return plan->engine->unitArea() * setup.scene().scale * setup.scene().scale / double(plan->directions);
 }
 
+template <class Run>
+void FormFactorRun::State::beginEstimate(const Run& run) {
+  progress.replicates = progress.resumed = replicateCount();
+  progress.largest_standard_error = run.largestStandardError();
+  is_done = run.isDone();
+}
+
 void FormFactorRun::State::begin() {
   progress.phase = Progress::Phase::counting;
   progress.directions = 0;
@@ -71,6 +78,7 @@ void FormFactorRun::State::begin() {
     GuaranteeOptions options = setup.guaranteeOptions();
     options.resumed = resumed ? &resumed->sums : nullptr;
     guarantee_run.emplace(setup.scene(), setup.ids(), options, *guarantee);
+    progress.replicates = progress.resumed = replicateCount();
     progress.expected_blocks = guarantee_run->expectedBlocks();
     progress.most_blocks = guarantee_run->mostBlocks();
     is_done = guarantee_run->isDone();
@@ -80,11 +88,10 @@ void FormFactorRun::State::begin() {
   if (pair_lines) {
     line_run.emplace(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, std::move(line_pairs),
                      line_mixture.least_form_factor, estimateOptions());
-    is_done = line_run->isDone();
-    return;
+    return beginEstimate(*line_run);
   }
   estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), estimateOptions());
-  is_done = estimate_run->isDone();
+  beginEstimate(*estimate_run);
 }
 
 void FormFactorRun::State::step() {

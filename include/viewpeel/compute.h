@@ -27,6 +27,7 @@ struct Progress {
   enum class Phase { planning, unoccluded, counting };
   Phase phase = Phase::planning;
   uint64_t replicates = 0;                   // complete replicates; for a guarantee complete blocks
+  uint64_t resumed = 0;                      // the first of them, which an earlier run counted
   double largest_standard_error = INFINITY;  // over all form factors; infinite before it is measured
   // `directions` are counted in the current replicate, which has directions_of_replicate in all. The second number is 0
   // during a pilot.

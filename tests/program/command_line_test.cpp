@@ -1,4 +1,6 @@
 // A wrong command line is refused in one line, which suggests the word that the user may have meant.
+#include <regex>
+
 #include <fmt/format.h>
 
 #include "tests/support/program.h"
@@ -86,6 +88,35 @@ TEST_F(Program, JsonIsUtf8WhateverNamesAre) {
   const std::string command =
       fmt::format("/usr/bin/python3 -c \"import json; json.load(open('{}', encoding='utf-8'))\"", file("out.json"));
   EXPECT_EQ(std::system(command.c_str()), 0) << r.output;
+}
+
+TEST_F(Program, WholeNumbersMayHaveExponents) {
+  const std::string plates = VIEWPEEL_SCENES "/plates.obj -q ";
+  ASSERT_EQ(run(plates + "--directions 1e2 --replicates 2e0 -o " + file("a.csv")).status, 0);
+  ASSERT_EQ(run(plates + "--directions 100 --replicates 2 -o " + file("b.csv")).status, 0);
+  EXPECT_EQ(readFile(file("a.csv")), readFile(file("b.csv")));
+  for (const char* number : {"1e10", "0", "1.5", "-1", "nan", "inf", "2e", "many"}) {
+    const Result r = run(plates + "--directions " + number);
+    EXPECT_EQ(r.status, 2) << number;
+    EXPECT_NE(r.output.find(fmt::format("{} is not a whole number from 1 to 1073741824", number)), std::string::npos)
+        << r.output;
+  }
+}
+
+TEST_F(Program, VersionNamesTheCommit) {
+  const Result r = run("--version");
+  EXPECT_EQ(r.status, 0);
+  EXPECT_TRUE(std::regex_match(r.output, std::regex("viewpeel [0-9.]+( \\(commit [0-9a-f]+\\))?\n"))) << r.output;
+}
+
+// The plan and --only environment count no pairs, so they look for leaks by rays before anything else.
+TEST_F(Program, LeaksAreWarnedOfWherePairsAreNotCounted) {
+  for (const char* words : {"plan ", "compute --only environment --tolerance 0.05 "}) {
+    const std::string street = words + std::string(VIEWPEEL_SCENES "/street.obj -q ");
+    EXPECT_EQ(run(street).output, "");
+    EXPECT_NE(run(street + "--flip pavement_east").output.find("pavement_east looks the wrong way"), std::string::npos);
+    EXPECT_EQ(run(street + "--flip pavement_east --two-sided").output, "");
+  }
 }
 
 }  // namespace

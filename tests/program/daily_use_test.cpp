@@ -242,5 +242,24 @@ assert subprocess.run(command, capture_output=True, text=True).stderr == ''  # s
 )");
 }
 
+// A run that the plan gives no time for says how long it takes, once it has counted for a second: one of many
+// replicates, and one that goes on to a finer goal with directions of an earlier run.
+TEST_F(DailyUse, LongRunsSayHowLongTheyTake) {
+  judge(R"(
+import re, signal
+def predicted(*words):
+    with subprocess.Popen([vp, 'compute', office, *words], stdout=subprocess.PIPE, text=True) as running:
+        line = next(line for line in running.stdout if line.startswith('expected'))
+        running.send_signal(signal.SIGINT)
+    return line
+line = predicted('--by', 'surface', '--directions', '300', '--replicates', '1e6')
+assert re.fullmatch(r'expected   1000000 replicates in all, \S+ (minutes|hours|days) more\n', line), line
+coarse = ['--directions', '64', '--resolution', '64', '--checkpoint', 'coarse.h5']
+subprocess.run([vp, 'compute', office, *coarse, '--replicates', '20', '-q'], check=True)
+line = predicted(*coarse[-2:], '--resume')
+assert re.fullmatch(r'expected   about \d+00 replicates in all, \S+ (s|minutes|hours) more\n', line), line
+)");
+}
+
 }  // namespace
 }  // namespace viewpeel
