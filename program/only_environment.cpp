@@ -21,6 +21,9 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostRows = 20;
+// All pairs of n polygons take about the time of this many rays, times n^2: in cities of 1,000 to 6,400 triangles a
+// tenth of them see each other, each of which takes as long as seven rays.
+constexpr double kRaysOfPairs = 0.4;
 // This tolerance stands for none: a run with only a time limit must go on until time is up.
 constexpr double kNoTolerance = 1e-300;
 // Sky and ground are split to the standard error that the form factors reached, but not below this one. Where form
@@ -46,6 +49,14 @@ std::string describeRows(const EnvironmentParts& parts, bool has_up) {
   return text + fmt::format("errors     largest standard error of all rows {:.1e}\n", parts.largest_standard_error);
 }
 
+// Returns the form factors of all rows to the environment; 0 where no row was asked for.
+std::vector<double> environmentOf(const FormFactors& form_factors) {
+  std::vector<double> all;
+  for (uint32_t row = 0; row < form_factors.ids().count(); ++row)
+    all.push_back(form_factors.ids().isRequested(row) ? form_factors.formFactor(row, kEnvironment).value : 0);
+  return all;
+}
+
 EnvironmentRequest environmentRequestOf(const ComputeOptions& options) {
   const Request& request = options.request;
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
@@ -57,6 +68,54 @@ EnvironmentRequest environmentRequestOf(const ComputeOptions& options) {
   return environment;
 }
 
+// A Measurement is the environment of all rows, and what was done for it, as text.
+struct Measurement {
+  EnvironmentParts parts;
+  std::string work;
+};
+
+std::string describeWork(const EnvironmentParts& parts) {
+  return fmt::format("{}, {}{}", counted(parts.replicates, "replicate"), counted(parts.directions, "direction"),
+                     parts.rays ? fmt::format(", {} from {} of their own", counted(parts.rays, "ray"),
+                                              counted(parts.rows_with_rays, "row"))
+                                : "");
+}
+
+// Measures the environment by directions and rays. Where rays are more work than the lines of all pairs, those give it:
+// a row's environment is 1 less its pairs, most of which nothing blocks. Sky and ground then need rays for their
+// shares.
+Measurement measure(const ComputeOptions& options, const Scene& scene, EnvironmentRequest request,
+                    const Observer& observer) {
+  const auto polygons = double(scene.polygons.size());
+  if (std::holds_alternative<Tolerance>(options.request.goal)) request.most_rays = kRaysOfPairs * polygons * polygons;
+  EnvironmentParts parts = measureEnvironment(scene, request, observer);
+  if (parts.is_reached || !request.most_rays) return {parts, describeWork(parts)};
+  request.most_rays.reset();
+  Request by_pairs = options.request;
+  by_pairs.promise = false;  // the environment's standard errors are asked for, no intervals
+  FormFactorRun run(scene, by_pairs, observer);
+  const PlanSummary& plan = run.makePlan();
+  if (!plan.pair_lines || plan.pair_lines->least_form_factor > 0) {
+    parts = measureEnvironment(scene, request, observer);
+    return {parts, describeWork(parts)};
+  }
+  while (!run.isDone()) run.step();
+  const Result result = run.result();
+  request.known = environmentOf(result.form_factors);
+  if (options.up) parts = measureEnvironment(scene, request, observer);
+  const bool is_reached = result.goal_reached && (!options.up || parts.is_reached);
+  parts = splitEnvironment(result.form_factors, std::move(parts));
+  parts.is_reached = is_reached;
+  if (!options.up) {
+    parts.largest_standard_error = 0;
+    for (const Measured& all : parts.all)
+      parts.largest_standard_error = std::max(parts.largest_standard_error, all.standard_error);
+  }
+  return {parts, fmt::format("{}; lines of {} of polygons, {}", describeWork(parts),
+                             counted(plan.pair_lines->clear + plan.pair_lines->partial, "pair"),
+                             counted(result.replicates, "replicate"))};
+}
+
 void printJson(const ComputeOptions& options, const EnvironmentParts& parts, const OutputContent& content,
                bool is_reached, double seconds) {
   Json report = startReport();
@@ -64,6 +123,7 @@ void printJson(const ComputeOptions& options, const EnvironmentParts& parts, con
   report["largest_standard_error"] = parts.largest_standard_error;
   report["replicates"] = parts.replicates;
   report["directions"] = parts.directions;
+  report["rays"] = parts.rays;
   report["seconds"] = seconds;
   report["goal_reached"] = is_reached;
   report["files"] = jsonOf(options.files);
@@ -97,7 +157,8 @@ int computeOnlyEnvironment(const ComputeOptions& options) {
   warnOfBacksOf(options, scene);
   const EnvironmentRequest request = environmentRequestOf(options);
   const auto start = Clock::now();
-  const EnvironmentParts parts = measureEnvironment(scene, request, {.on_progress = progress.listener()});
+  const Measurement measured = measure(options, scene, request, {.on_progress = progress.listener()});
+  const EnvironmentParts& parts = measured.parts;
   const double seconds = secondsSince(start);
   progress.clear();
   const bool is_reached = parts.is_reached || request.tolerance == kNoTolerance;
@@ -122,9 +183,8 @@ int computeOnlyEnvironment(const ComputeOptions& options) {
                     parts.largest_standard_error));
   if (options.json) printJson(options, parts, content, is_reached, seconds);
   if (options.talks())
-    fmt::print("{}{}work       {}, {}, {:.2f} s\n{}", describeRows(parts, options.up.has_value()),
-               options.up ? describeParts(parts) : "", counted(parts.replicates, "replicate"),
-               counted(parts.directions, "direction"), seconds, describeWritten(options.files));
+    fmt::print("{}{}work       {}, {:.2f} s\n{}", describeRows(parts, options.up.has_value()),
+               options.up ? describeParts(parts) : "", measured.work, seconds, describeWritten(options.files));
   return is_reached ? 0 : kGoalMissed;
 }
 
@@ -136,6 +196,7 @@ std::optional<EnvironmentParts> splitEnvironmentOf(const ComputeOptions& options
   if (guarantee) request.tolerance = guarantee->epsilon;
   else if (request.tolerance == kNoTolerance)
     request.tolerance = std::max(result.largest_standard_error, kLeastTolerance);
+  request.known = environmentOf(result.form_factors);
   EnvironmentParts parts = measureEnvironment(scene, request, observer);
   if (!parts.is_reached)
     warn(

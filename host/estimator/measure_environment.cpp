@@ -1,4 +1,5 @@
-// measureEnvironment() measures the environment above and below a horizon by the host engine.
+// measureEnvironment() measures the environment above and below a horizon by the host engine, and by rays from rows
+// that its directions hardly meet.
 //
 // Every direction is turned to point above the horizon. A line that leaves the scene forwards then goes to the part
 // above, and a line that leaves it backwards to the part below. The engine counts both separately.
@@ -14,8 +15,11 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
+#include "estimator/environment_rays.h"
 #include "estimator/estimate.h"
+#include "estimator/planner.h"
 #include "stopwatch.h"
+#include "threads.h"
 #include <viewpeel/error.h>
 
 namespace viewpeel {
@@ -32,6 +36,13 @@ constexpr double kShareOfTime = 0.9;
 constexpr double kSpacingsPerSide = 2;
 constexpr int kFinestResolution = 1024;
 
+// Rays from rows: their least and largest number in a replicate. Errors are taken to fall with their number as n^-0.6.
+constexpr uint32_t kFirstRays = 64, kMostRays = 1 << 16;
+constexpr double kRayExponent = 0.6, kMostRayGrowth = 16;
+// A direction takes the time of this many rays for each polygon of the scene. Sobol's points need about this share of
+// the rays that independent ones need.
+constexpr double kRaysOfDirection = 0.1, kShareOfIndependent = 0.2;
+
 // Counts hold the lines of one replicate that leave the scene above the horizon (up) and below it: double[row].
 struct Counts {
   std::vector<double> up, down;
@@ -40,7 +51,7 @@ struct Counts {
 class Measurement {
  public:
   Measurement(const Scene& scene, const EnvironmentRequest& request, const Observer& observer)
-      : request_(request), observer_(observer), ids_(makeIds(scene, request.by, request.two_sided)) {
+      : scene_(scene), request_(request), observer_(observer), ids_(makeIds(scene, request.by, request.two_sided)) {
     if (!(glm::length(request.up) > 0))
       throw Error(ErrorCode::bad_usage, "the direction up has no length; give one like 0,0,1");
     if (!(request.tolerance > 0)) throw Error(ErrorCode::bad_usage, "the tolerance is not above 0; give a larger");
@@ -58,6 +69,9 @@ class Measurement {
     ids_.roles.clear();
     findExtents(scene);
     unit_area_ = engine_->unitArea() * scene.scale * scene.scale;
+    for (const double area : ids_.areas)
+      lines_.push_back(expectedPoints(options.sampling, area / (scene.scale * scene.scale) / (ids_.two_sided ? 2 : 1),
+                                      2.0 / options.resolution));
   }
 
   EnvironmentParts measure() {
@@ -70,7 +84,10 @@ class Measurement {
       if (replicates.size() * of_round > best.directions) best = partsOf(replicates, of_round);
       const double excess = best.largest_standard_error / request_.tolerance;
       best.is_reached = excess <= 1;
-      if (best.is_reached || directions >= kMostDirections || isTimeUp()) return best;
+      if (best.is_reached || isTimeUp()) return best;
+      if (best.directions == replicates.size() * of_round && arePaid(best, of_round))
+        return neededRays(best) > request_.most_rays.value_or(INFINITY) ? best : measureByRays(replicates, of_round);
+      if (directions >= kMostDirections) return best;
       const double exponent = rounds_ > 2 ? kLeastExponent : kUsualExponent;
       const double growth = std::clamp(std::pow(excess / kMargin, 1 / exponent), kLeastGrowth, kMostGrowth);
       double fitting = growth;
@@ -96,6 +113,15 @@ class Measurement {
 
   bool isTimeUp() const { return request_.time_limit_s && secondsSince(start_) >= *request_.time_limit_s; }
 
+  void report(uint32_t replicates, const EnvironmentParts& best, uint32_t directions) const {
+    if (observer_.on_progress)
+      observer_.on_progress({.phase = Progress::Phase::counting,
+                             .replicates = replicates,
+                             .largest_standard_error = best.replicates ? best.largest_standard_error : INFINITY,
+                             .directions = 0,
+                             .directions_of_replicate = directions});
+  }
+
   // Counts eight replicates, or fewer where time is up.
   std::vector<Counts> countRound(uint32_t directions, const EnvironmentParts& best) {
     std::vector<Counts> replicates;
@@ -108,24 +134,86 @@ class Measurement {
       } catch (const TimeUp&) {
         break;
       }
-      if (observer_.on_progress)
-        observer_.on_progress({.phase = Progress::Phase::counting,
-                               .replicates = r + 1,
-                               .largest_standard_error = best.replicates ? best.largest_standard_error : INFINITY,
-                               .directions = 0,
-                               .directions_of_replicate = directions});
+      report(r + 1, best, directions);
     }
     // The spread of fewer replicates says too little.
     if (replicates.size() < kLeastReplicates) replicates.clear();
     return replicates;
   }
 
+  double largestError(const EnvironmentParts& parts, uint32_t row) const {
+    if (!request_.known.empty()) return request_.known[row] * parts.up_share[row].standard_error;
+    return std::max({parts.up[row].standard_error, parts.down[row].standard_error, parts.all[row].standard_error});
+  }
+
+  // Returns about how many rays all rows need that miss the tolerance.
+  double neededRays(const EnvironmentParts& parts) const {
+    double rays = 0;
+    for (uint32_t row = 0; row < ids_.count(); ++row) {
+      if (largestError(parts, row) <= request_.tolerance) continue;
+      const double independent = 0.25 / std::pow(request_.tolerance, 2);
+      rays += std::clamp<double>(kShareOfIndependent * independent, kReplicates * kFirstRays, kReplicates * kMostRays);
+    }
+    return rays;
+  }
+
+  // Returns whether rays are less work than the directions that the worst row needs. It depends on counts alone, so
+  // that results do not depend on the machine.
+  bool arePaid(const EnvironmentParts& parts, double directions) const {
+    const double more = std::pow(parts.largest_standard_error / request_.tolerance, 1 / kLeastExponent);
+    return neededRays(parts) < kReplicates * directions * more * kRaysOfDirection * double(ids_.of_polygon.size());
+  }
+
+  // Casts rays from all rows that miss the tolerance, until these reach it.
+  //   In: replicates: of common directions, for the other rows
+  EnvironmentParts measureByRays(std::vector<Counts> replicates, uint32_t directions) {
+    EnvironmentRays rays(scene_, ids_, request_.up, request_.seed);
+    rays_of_row_.assign(ids_.count(), 0);
+    EnvironmentParts parts = partsOf(replicates, directions);
+    const size_t threads = request_.threads ? request_.threads : threadCount();
+    for (;;) {
+      std::vector<uint32_t> rows, counts;
+      for (uint32_t row = 0; row < ids_.count(); ++row) {
+        const double excess = largestError(parts, row) / request_.tolerance;
+        const uint32_t before = rays_of_row_[row];
+        if (excess <= 1 || before >= kMostRays) continue;
+        const double growth = std::clamp(std::pow(excess / kMargin, 1 / kRayExponent), kLeastGrowth, kMostRayGrowth);
+        rows.push_back(row);
+        counts.push_back(before ? static_cast<uint32_t>(std::min(before * growth, double(kMostRays))) : kFirstRays);
+        rays.prepare(counts.back());
+      }
+      parts.is_reached = parts.largest_standard_error <= request_.tolerance;
+      if (rows.empty() || isTimeUp()) return parts;
+      const auto castFrom = [&](size_t, size_t k) {
+        std::vector<EnvironmentRays::Shares> shares;
+        for (uint32_t r = 0; r < replicates.size(); ++r) shares.push_back(rays.cast(rows[k], counts[k], r));
+        const double count_of_share = ids_.areas[rows[k]] / countArea(directions);
+        for (uint32_t r = 0; r < replicates.size(); ++r) {
+          replicates[r].up[rows[k]] = shares[r].up * count_of_share;
+          replicates[r].down[rows[k]] = shares[r].down * count_of_share;
+        }
+        rays_of_row_[rows[k]] = counts[k];
+      };
+      try {
+        shareOut(threads, rows.size(), 1, castFrom, [&](size_t) {
+          if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
+          if (isTimeUp()) throw TimeUp{};
+        });
+      } catch (const TimeUp&) {
+      }
+      parts = partsOf(replicates, directions);
+      report(kReplicates, parts, directions);
+    }
+  }
+
+  double countArea(uint32_t directions) const { return 2 * unit_area_ / directions; }
+
   EnvironmentParts partsOf(const std::vector<Counts>& replicates, uint32_t directions) const {
     const size_t replicate_count = replicates.size();
     EnvironmentParts parts{
         .ids = ids_, .extents = extents_, .replicates = replicate_count, .directions = directions * replicate_count};
     parts.up_share_errors.assign(replicate_count, std::vector<double>(ids_.count()));
-    const double count_area = 2 * unit_area_ / directions;
+    const double count_area = countArea(directions);
     for (uint32_t i = 0; i < ids_.count(); ++i) {
       const double of_count = count_area / ids_.areas[i];
       parts.up.push_back(meanOf(
@@ -135,9 +223,11 @@ class Measurement {
       parts.all.push_back(meanOf(
           replicates, [&](const Counts& counts) { return counts.up[i] + counts.down[i]; }, of_count));
       addShare(replicates, i, parts);
-      for (const Measured& part : {parts.up[i], parts.down[i], parts.all[i]})
-        parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
     }
+    boundErrorsByLines(parts);
+    if (!rays_of_row_.empty()) boundErrorsOfRays(parts);
+    for (uint32_t i = 0; i < ids_.count(); ++i)
+      parts.largest_standard_error = std::max(parts.largest_standard_error, largestError(parts, i));
     return parts;
   }
 
@@ -150,6 +240,53 @@ class Measurement {
     for (const Counts& counts : replicates) squares += std::pow(of(counts) - mean, 2);
     return {mean * form_factor_of_count,
             std::sqrt(squares / (replicate_count * (replicate_count - 1))) * form_factor_of_count};
+  }
+
+  // Makes errors of rows no smaller than the weight of one line. Rows that no line met would otherwise have none.
+  void boundErrorsByLines(EnvironmentParts& parts) const {
+    for (uint32_t row = 0; row < ids_.count(); ++row) {
+      const bool has_rays = !rays_of_row_.empty() && rays_of_row_[row] > 0;
+      const double lines =
+          has_rays ? double(parts.replicates) * rays_of_row_[row] : lines_[row] * double(parts.directions);
+      for (Measured* part : {&parts.up[row], &parts.down[row], &parts.all[row]})
+        part->standard_error = std::max(part->standard_error, 1 / lines);
+      if (parts.all[row].value > 0) raiseShareError(parts, row, 1 / (lines * parts.all[row].value));
+    }
+  }
+
+  static void raiseShareError(EnvironmentParts& parts, uint32_t row, double least) {
+    const double before = parts.up_share[row].standard_error, after = std::max(before, least);
+    parts.up_share[row].standard_error = after;
+    for (auto& errors : parts.up_share_errors) errors[row] = before > 0 ? errors[row] * after / before : 0;
+    if (!(before > 0)) parts.up_share_errors.front()[row] = after;
+  }
+
+  // Eight replicates may agree by chance, and thousands of rows end as soon as their error is small. So errors of rows
+  // with rays are no smaller than binomial errors times the efficiency of all these rows together: the root of the sum
+  // of their variances over that of their binomial variances.
+  void boundErrorsOfRays(EnvironmentParts& parts) const {
+    double variance = 0, binomial = 0;
+    const auto binomialOf = [&](uint32_t row, double share) {
+      return std::max(0.0, share * (1 - share)) / (double(parts.replicates) * rays_of_row_[row]);
+    };
+    for (uint32_t row = 0; row < ids_.count(); ++row) {
+      if (rays_of_row_[row] == 0) continue;
+      ++parts.rows_with_rays;
+      parts.rays += parts.replicates * rays_of_row_[row];
+      variance += std::pow(parts.all[row].standard_error, 2);
+      binomial += binomialOf(row, parts.all[row].value);
+    }
+    const double efficiency = binomial > 0 ? std::min(variance / binomial, 1.0) : 1;
+    for (uint32_t row = 0; row < ids_.count(); ++row) {
+      if (rays_of_row_[row] == 0) continue;
+      const double all_rays = double(parts.replicates) * rays_of_row_[row], all = parts.all[row].value;
+      const auto leastError = [&](double share, double rays) {
+        return std::sqrt(efficiency * std::max(0.0, share * (1 - share)) / rays);
+      };
+      for (Measured* part : {&parts.up[row], &parts.down[row], &parts.all[row]})
+        part->standard_error = std::max(part->standard_error, leastError(part->value, all_rays));
+      if (all > 0) raiseShareError(parts, row, leastError(parts.up_share[row].value, all_rays * all));
+    }
   }
 
   // With nothing in the way (1 + n_up) / 2 of what a polygon of normal n emits goes up, and half of it from both sides.
@@ -200,6 +337,7 @@ class Measurement {
 
   struct TimeUp {};
 
+  const Scene& scene_;
   const EnvironmentRequest& request_;
   const Observer& observer_;
   Clock::time_point start_ = Clock::now();
@@ -208,69 +346,10 @@ class Measurement {
   std::unique_ptr<Engine> engine_;
   std::vector<EnvironmentParts::Extent> extents_;
   double unit_area_ = 0;
+  std::vector<double> lines_;  // of each row: lines of a direction that meet it, in the mean
   uint64_t rounds_ = 0;
+  std::vector<uint32_t> rays_of_row_;  // rays of a replicate, where the row has its own; else 0, or no rows at all
 };
-
-constexpr double kTilt = 1e-6;  // bound on the rounding of a plane's normal, from coordinates in single precision
-
-// A Blocked bounds the parts of a row's radiation that end on other rows above or below the horizon.
-struct Blocked {
-  Interval up{0, 0}, down{0, 0};
-};
-
-// Bounds what each row's pairs block. A pair is above the horizon where no point of the other row lies below one of
-// this row. What a pair blocks that is on neither side, or of one row, may lie above or below as a whole.
-std::vector<Blocked> findBlocked(const FormFactors& form_factors,
-                                 const std::vector<EnvironmentParts::Extent>& extents) {
-  const Ids& ids = form_factors.ids();
-  std::vector<Blocked> blocked(ids.count());
-  const auto add = [&](uint32_t i, uint32_t j) {
-    const Interval interval = form_factors.interval(i, j);
-    const bool is_row = j < kEnvironment, not_below = is_row && extents[j].lowest >= extents[i].highest,
-               not_above = is_row && extents[j].highest <= extents[i].lowest;
-    const bool is_up = not_below && !not_above, is_down = not_above && !not_below;
-    if (!is_down) blocked[i].up.upper += interval.upper;
-    if (!is_up) blocked[i].down.upper += interval.upper;
-    if (is_up) blocked[i].up.lower += interval.lower;
-    if (is_down) blocked[i].down.lower += interval.lower;
-  };
-  for (const FormFactors::Entry& entry : form_factors.entries()) {
-    if (entry.j == kEnvironment) continue;
-    if (ids.isRequested(entry.i)) add(entry.i, entry.j);
-    if (entry.j < kEnvironment && entry.j != entry.i && ids.isRequested(entry.j)) add(entry.j, entry.i);
-  }
-  // Where not all that blocks is among the entries, only their lower bounds say something.
-  if (!ids.rows_sum_to_one || form_factors.unlistedBound() > 0)
-    for (Blocked& row : blocked) row.up.upper = row.down.upper = INFINITY;
-  return blocked;
-}
-
-// Returns the intervals of a row's parts.
-//   In: all: interval of the whole environment; open_up: part above with nothing in the way
-std::pair<Interval, Interval> boundParts(const Interval& all, const Blocked& blocked, double open_up) {
-  const auto partOf = [&](double open, const Interval& of_part) {
-    return Interval{std::max(0.0, open - std::min(of_part.upper, 1 - all.lower) - kTilt),
-                    std::max(0.0, std::min(all.upper, open - of_part.lower + kTilt))};
-  };
-  const Interval up = partOf(open_up, blocked.up), down = partOf(1 - open_up, blocked.down);
-  const auto lessOther = [&](const Interval& part, const Interval& other) {
-    const double upper = std::min(part.upper, std::max(0.0, all.upper - other.lower));
-    return Interval{std::min(upper, std::max(part.lower, all.lower - other.upper)), upper};
-  };
-  return {lessOther(up, down), lessOther(down, up)};
-}
-
-// Moves the parts of a row into their intervals. Their sum stays as it is where the intervals have such parts.
-void moveInside(const Interval& up_interval, const Interval& down_interval, Measured& up, Measured& down) {
-  const double all = up.value + down.value, least = std::max(up_interval.lower, all - down_interval.upper),
-               most = std::min(up_interval.upper, all - down_interval.lower);
-  if (least <= most) {
-    up.value = std::clamp(up.value, least, most);
-    down.value = all - up.value;
-  }
-  up.value = std::clamp(up.value, up_interval.lower, up_interval.upper);
-  down.value = std::clamp(down.value, down_interval.lower, down_interval.upper);
-}
 
 }  // namespace
 
@@ -280,48 +359,6 @@ EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest
   } catch (const Interrupted&) {
     throw Error(ErrorCode::limit, "the run was stopped before the environment was measured; let it run longer");
   }
-}
-
-EnvironmentParts splitEnvironment(const FormFactors& form_factors, EnvironmentParts parts) {
-  const Ids& ids = form_factors.ids();
-  if (ids.count() != parts.ids.count())
-    throw Error(ErrorCode::bad_usage, "the environment was measured for other rows than those of the form factors");
-  parts.largest_standard_error = 0;
-  std::vector<Blocked> blocked;
-  if (form_factors.hasIntervals()) {
-    blocked = findBlocked(form_factors, parts.extents);
-    parts.up_intervals.resize(ids.count()), parts.down_intervals.resize(ids.count());
-  }
-  for (uint32_t i = 0; i < ids.count(); ++i) {
-    const Measured all = ids.isRequested(i) ? form_factors.formFactor(i, kEnvironment) : Measured{},
-                   share = parts.up_share[i];
-    const auto partOf = [&](double share_of_part) {
-      return Measured{all.value * share_of_part,
-                      std::hypot(all.standard_error * share_of_part, all.value * share.standard_error)};
-    };
-    parts.all[i] = all;
-    parts.up[i] = partOf(share.value);
-    parts.down[i] = partOf(1 - share.value);
-    if (!blocked.empty() && ids.isRequested(i)) {
-      const Interval whole = form_factors.interval(i, kEnvironment);
-      std::tie(parts.up_intervals[i], parts.down_intervals[i]) = boundParts(whole, blocked[i], parts.extents[i].up);
-      moveInside(parts.up_intervals[i], parts.down_intervals[i], parts.up[i], parts.down[i]);
-    }
-    for (const Measured& part : {parts.up[i], parts.down[i], all})
-      parts.largest_standard_error = std::max(parts.largest_standard_error, part.standard_error);
-  }
-  return parts;
-}
-
-FormFactors environmentAlone(const EnvironmentParts& parts) {
-  Ids ids = parts.ids;
-  ids.rows_sum_to_one = false;
-  std::vector<FormFactors::Entry> entries;
-  for (uint32_t i = 0; i < ids.count(); ++i)
-    if (parts.all[i].value > 0 || parts.all[i].standard_error > 0)
-      entries.push_back(
-          {i, kEnvironment, {ids.areas[i] * parts.all[i].value, ids.areas[i] * parts.all[i].standard_error}});
-  return {std::move(ids), std::move(entries), parts.all};
 }
 
 }  // namespace viewpeel

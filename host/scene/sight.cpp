@@ -33,11 +33,29 @@ dvec3 Sight::pointOn(uint32_t polygon) {
   return c[0] + u * (c[k] - c[0]) + v * (c[k + 1] - c[0]);
 }
 
+dvec3 Sight::pointOn(uint32_t polygon, double u, double v) const {
+  const Polygon& p = scene_.polygons[polygon];
+  const dvec3* c = &scene_.corners[p.first_corner];
+  uint32_t k = 1;
+  if (p.corner_count == 4) {
+    const double first = glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) / (2 * p.area);  // share of one triangle
+    k = u < first ? 1 : 2;
+    u = k == 1 ? u / first : (u - first) / (1 - first);
+  }
+  const double across = std::sqrt(u);  // from c[0] to the opposite side
+  return c[0] + across * (c[k] - c[0] + v * (c[k + 1] - c[k]));
+}
+
 dvec3 Sight::directionFrom(uint32_t polygon, bool from_front) {
+  const double square = kLeastCosine * kLeastCosine + (1 - kLeastCosine * kLeastCosine) * uniform();
+  return directionFrom(polygon, from_front, square, uniform());
+}
+
+dvec3 Sight::directionFrom(uint32_t polygon, bool from_front, double square_of_height, double turn) const {
   const dvec3 axis = from_front ? normals_[polygon] : -normals_[polygon];
   const dvec3 across = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  const double height = std::sqrt(kLeastCosine * kLeastCosine + (1 - kLeastCosine * kLeastCosine) * uniform());
-  const double angle = 2 * std::numbers::pi * uniform(), radius = std::sqrt(1 - height * height);
+  const double height = std::sqrt(square_of_height);
+  const double angle = 2 * std::numbers::pi * turn, radius = std::sqrt(1 - height * height);
   return height * axis + radius * (std::cos(angle) * across + std::sin(angle) * glm::cross(axis, across));
 }
 

@@ -1,5 +1,5 @@
 // A Sight casts rays through a scene, and finds the polygon that a point of a polygon sees in a direction. It is slow
-// beside the engines, and only messages and repairs of the input use it.
+// beside the engines: only messages, repairs of the input, and rows that common directions hardly meet use it.
 #pragma once
 #include <cstdint>
 #include <random>
@@ -28,6 +28,10 @@ class Sight {
   glm::dvec3 pointOn(uint32_t polygon);
   // Draws a direction of the cosine law, on the side of the polygon's front or of its back.
   glm::dvec3 directionFrom(uint32_t polygon, bool from_front);
+  // These functions return a point of the polygon, and a direction of the cosine law. Both keep areas: numbers uniform
+  // in [0, 1) give points uniform over the polygon.
+  glm::dvec3 pointOn(uint32_t polygon, double u, double v) const;
+  glm::dvec3 directionFrom(uint32_t polygon, bool from_front, double square_of_height, double turn) const;
   // Finds the first polygon that a ray from a point of `polygon` hits. Tie ranks order coincident polygons.
   //   Cost: O(log n + boxes hit).
   End look(uint32_t polygon, const glm::dvec3& point, const glm::dvec3& direction) const;

@@ -23,6 +23,11 @@ struct EnvironmentRequest {
   uint32_t threads = 0;     // 0: one for each core
   // The run ends when this time is over, even within a replicate; four small replicates are counted in any case.
   std::optional<double> time_limit_s;
+  // The run ends short of the tolerance where its rows need more rays of their own than this, by a rough estimate.
+  std::optional<double> most_rays;
+  // Form factors to the whole environment, one for each row, where they are known; else empty. The tolerance then holds
+  // for them times the standard error of up_share.
+  std::vector<double> known;
 };
 
 // EnvironmentParts have the form factors from each row to the parts of the environment above and below the horizon.
@@ -47,20 +52,25 @@ struct EnvironmentParts {
   // standard error.
   std::vector<std::vector<double>> up_share_errors;
   uint64_t replicates = 0, directions = 0;  // directions of all replicates together
+  uint64_t rows_with_rays = 0, rays = 0;    // rows that have rays of their own, and these rays together
   double largest_standard_error = 0;        // of up, down and all
   bool is_reached = true;                   // false where time or directions ran out before the tolerance was reached
 };
 
-// Measures the environment of all rows by common directions, which count nothing else.
+// Measures the environment of all rows by common directions, which count nothing else. Rows that these directions
+// hardly meet get rays of their own where that is less work.
 //   F_i,up = (2 / A_i) E[A'_i,up(u)]. E is the mean over directions u, and A'_i,up(u) the area of the lines along u
-//   that leave row i, and then the scene, upwards.
+//   that leave row i, and then the scene, upwards. Of rays, F_i,up is the share that does so.
 //   In: scene; request
 //   Out: see EnvironmentParts
 //   Error: up and down are unbiased; up_share is a ratio of means, whose bias falls with the number of directions.
-//     Standard errors come from 8 replicates, from 4 to 8 where time was up. Tests: tests/unit/environment_test.cpp.
+//     Standard errors come from 8 replicates, from 4 to 8 where time was up. They are no smaller than the weight of one
+//     line; those of rays are also no smaller than what binomial errors and the spread of all such rows suggest.
+//     Tests: tests/unit/environment_test.cpp.
 //   Throws: Error bad_usage for a direction up of length 0 or a tolerance that is not above 0; Error limit where the
 //     observer stops the run.
-//   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene.
+//   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene. A row has up to
+//     2^19 rays of about 2 us.
 EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request,
                                     const Observer& observer = {});
 

@@ -46,6 +46,35 @@ for k, r in enumerate(rows):
   }
 };
 
+// Small triangles need so many rays at this goal that the lines of all pairs are less work. They give the same form
+// factors as a run of all form factors does; rays then divide them.
+TEST_F(EnvironmentProgram, SmallTrianglesHaveThatOfTheirPairs) {
+  std::ofstream scene(file("small.obj"));
+  scene << "o floor\nv -3 -3 0\nv 3 -3 0\nv 3 3 0\nv -3 3 0\nf 1 2 3 4\n";
+  for (int k = 0; k < 300; ++k)
+    scene << fmt::format("o small{0}\nv {1} 0 0.2\nv {1} 0.02 0.2\nv {1} 0 0.22\nf -3 -2 -1\n", k, -2.25 + 0.015 * k);
+  scene.close();
+  const std::string words = "compute " + file("small.obj") + " --by polygon --tolerance 1e-3 ";
+  const Result alone = run(words + "--only environment --up 0,0,1 -o " + file("a.rows.csv"));
+  ASSERT_EQ(alone.status, 0) << alone.output;
+  EXPECT_NE(shownValue(alone.output, "work").find("; lines of "), std::string::npos) << alone.output;
+  EXPECT_NE(shownValue(alone.output, "work").find(" rows of their own"), std::string::npos) << alone.output;
+  ASSERT_EQ(run(words + "--promise off -q -o " + file("all.rows.csv")).status, 0);
+  const PythonResult judged = runPython(folder_, R"(
+import csv
+a, b = (list(csv.DictReader(open(name))) for name in ('a.rows.csv', 'all.rows.csv'))
+assert len(a) == len(b) == 301
+for x, y in zip(a, b):
+    assert x['name'] == y['name'] and x['environment'] == y['environment'], (x, y)
+    up, down, whole = (float(x['environment' + part]) for part in ('_up', '_down', ''))
+    assert abs(up + down - whole) < 1e-14, x
+    assert float(x['environment_up_standard_error']) <= 1.5e-3, x
+small = [float(x['environment_up']) for x in a[1:]]
+assert 0.2 < min(small) and max(small) < 0.6, small  # upright triangles: half the sky, less what others hide
+)");
+  EXPECT_EQ(judged.status, 0) << judged.output;
+}
+
 TEST_F(EnvironmentProgram, AloneIsThatOfAllFormFactors) {
   ASSERT_EQ(run("compute " + kStreet + "--only environment --up 0,0,1 --tolerance 3e-3" + outputs()).output, "");
   ASSERT_EQ(run("compute " + kStreet + "--tolerance 3e-3 --promise off --seed 7 --quiet -o " + file("all.csv")).output,

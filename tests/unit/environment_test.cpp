@@ -138,6 +138,69 @@ TEST(Environment, ThreadsDoNotMatterAndTheSeedDoes) {
   EXPECT_THROW(measureEnvironment(scene, {}, {.should_stop = [] { return true; }}), Error);
 }
 
+// Returns a floor, and small plates over it of all tilts. The plates are level with each other, and far apart beside
+// their size, so that each one sees the floor, or the sky.
+InputScene smallPlatesOverAFloor(uint32_t plates) {
+  InputScene scene{"small plates over a floor", {}, {}};
+  ts::addFace(scene, "floor", ts::parallelogram({-50, -50, 0}, {100, 0, 0}, {0, 100, 0}));
+  for (uint32_t k = 0; k < plates; ++k) {
+    const double tilt = std::numbers::pi * k / plates, x = -10 + 20.0 * k / plates, size = 0.01;
+    ts::addFace(scene, "plate" + std::to_string(k),
+                ts::parallelogram({x, 0, 0.5}, {0, size, 0}, {-size * std::cos(tilt), 0, size * std::sin(tilt)}));
+  }
+  return scene;
+}
+
+// Common directions hardly meet the plates, which get rays of their own. A plate sees the sky by (1 + cos t) / 2, and
+// what of the floor's surroundings lies below the horizon: 0.5 high in the middle of a floor 50 wide to each side, it
+// is at most atan(0.5 / 40) / 2 = 0.0062 of it. That is the most that `down` may have. Errors of eight replicates
+// follow Student's t of 7 degrees of freedom, or less spread where they were made larger: the mean of z^2 over 64
+// plates is below 7/5 + 4 sqrt(2 (7/5)^2 5 / 64) = 3.6.
+TEST(Environment, RowsThatDirectionsHardlyMeetHaveRays) {
+  constexpr uint32_t kPlates = 64;
+  const Scene scene = buildScene(smallPlatesOverAFloor(kPlates));
+  const EnvironmentParts parts = measureEnvironment(scene, {.tolerance = 3e-3});
+  EXPECT_TRUE(parts.is_reached);
+  EXPECT_LE(parts.largest_standard_error, 3e-3);
+  EXPECT_GT(parts.rows_with_rays, kPlates / 2);
+  EXPECT_GE(parts.rays, 8 * 64 * parts.rows_with_rays);
+  double squares = 0, shifted = 0;
+  for (uint32_t k = 0; k < kPlates; ++k) {
+    const double truth = (1 + std::cos(std::numbers::pi * k / kPlates)) / 2;
+    const Measured& up = parts.up[k + 1];
+    ASSERT_GT(up.standard_error, 0) << k;
+    squares += std::pow((up.value - truth) / up.standard_error, 2);
+    shifted += std::pow((up.value - truth - 0.02) / up.standard_error, 2);
+    EXPECT_LE(parts.down[k + 1].value, 0.0062 + 5 * parts.down[k + 1].standard_error) << k;
+    double errors = 0;
+    for (const auto& replicate : parts.up_share_errors) errors += std::pow(replicate[k + 1], 2);
+    EXPECT_TRUE(isWithin(std::sqrt(errors), parts.up_share[k + 1].standard_error, 1e-12)) << k;
+  }
+  EXPECT_LT(squares / kPlates, 3.6);
+  EXPECT_GT(shifted / kPlates, 3.6);  // negative control
+  // Threads do not matter, the seed does, and both sides of a plate see half of the sky each.
+  EXPECT_EQ(measureEnvironment(scene, {.tolerance = 3e-3, .threads = 3}).up.back().value, parts.up.back().value);
+  EXPECT_NE(measureEnvironment(scene, {.tolerance = 3e-3, .seed = 2}).up[9].value, parts.up[9].value);
+  const EnvironmentParts both = measureEnvironment(scene, {.two_sided = true, .tolerance = 3e-3});
+  EXPECT_GT(both.rows_with_rays, kPlates / 2);
+  for (uint32_t k = 1; k <= kPlates; ++k) EXPECT_NEAR(both.up[k].value, 0.5, 6 * both.up[k].standard_error) << k;
+}
+
+// What is known of the whole environment leaves its division open. Then errors of the division alone count, and a run
+// that would need more rays than it may cast ends before it casts any.
+TEST(Environment, RaysAreForWhatIsOpen) {
+  const Scene scene = buildScene(smallPlatesOverAFloor(8));
+  const EnvironmentParts few = measureEnvironment(scene, {.tolerance = 3e-3, .most_rays = 100});
+  EXPECT_FALSE(few.is_reached);
+  EXPECT_EQ(few.rays, 0u);
+  EnvironmentRequest request{.tolerance = 3e-3, .known = std::vector<double>(9, 0.0)};
+  EXPECT_EQ(measureEnvironment(scene, request).rays, 0u);  // nothing is left to divide
+  request.known.assign(9, 0.01);
+  const EnvironmentParts divided = measureEnvironment(scene, request);
+  EXPECT_TRUE(divided.is_reached);
+  for (uint32_t row = 0; row < 9; ++row) EXPECT_LE(0.01 * divided.up_share[row].standard_error, 3e-3) << row;
+}
+
 // A time limit ends a run within a round. The run does not wait for eight replicates of some 10,000 directions or
 // more.
 TEST(Environment, TimeLimitEndsARunWithinARound) {
