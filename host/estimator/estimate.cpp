@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "estimator/find_guesses.h"
+#include "memory.h"
 
 namespace viewpeel {
 
@@ -15,14 +16,11 @@ FormFactors keepSeen(FormFactors all) {
   return {std::move(ids), std::move(entries), std::move(row_sums)};
 }
 
-Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
-  return makeEstimate(sums, relative_floor, sums.formFactors(row));
-}
+namespace {
 
-Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {
-  Estimate estimate{FormFactors({}, {}, {}),   keepSeen(sums.betweenSurfaces()),
-                    sums.replicateCount(),     sums.directions,
-                    largestStandardError(all), largestRelativeError(all, relative_floor)};
+Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all, FormFactors between_surfaces) {
+  Estimate estimate{FormFactors({}, {}, {}), std::move(between_surfaces), sums.replicateCount(),
+                    sums.directions,         largestStandardError(all),   largestRelativeError(all, relative_floor)};
   const std::vector<double> areas = all.ids().areas;
   const std::vector<std::pair<uint32_t, uint32_t>> guesses = findGuesses(sums, all);
   auto guess = guesses.begin();
@@ -60,6 +58,18 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     estimate.unmet_bound =
         unmetBound(*std::min_element(areas.begin(), areas.end()), sums.countArea(), double(sums.directions));
   return estimate;
+}
+
+}  // namespace
+
+Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
+  FormFactors between_surfaces = keepSeen(sums.betweenSurfaces());  // before the others, for it takes memory meanwhile
+  if (sums.lines && sums.lines->pairs().size() > kLargeList) returnFreedMemory();
+  return makeEstimate(sums, relative_floor, sums.formFactors(row), std::move(between_surfaces));
+}
+
+Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {
+  return makeEstimate(sums, relative_floor, std::move(all), keepSeen(sums.betweenSurfaces()));
 }
 
 }  // namespace viewpeel

@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <utility>
 
 #include <viewpeel/error.h>
+#include "memory.h"
 #include "sums/add_pairs.h"
 #include "sums/line_form_factors.h"
 
@@ -168,9 +170,12 @@ std::vector<double> LineRun::findRowVariances(const FormFactors& all) const {
 
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
-  const FormFactors all = sums_.formFactors();
-  largest_error_ = viewpeel::largestStandardError(all);
-  planFurther(hasCountedPairs() ? findWantingOfMixture(all) : findWanting(all));
+  std::optional<FormFactors> all = sums_.formFactors();
+  largest_error_ = viewpeel::largestStandardError(*all);
+  planFurther(hasCountedPairs() ? findWantingOfMixture(*all) : findWanting(*all));
+  const bool is_large = all->entries().size() > kLargeList;
+  all.reset();
+  if (is_large) returnFreedMemory();
 }
 
 // Returns the entries whose lines are too few for the goals, sorted, and their errors over the errors allowed.
@@ -194,18 +199,27 @@ LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
 //   Out: needs_directions_: whether the part due to common directions is too large for an entry
 LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
   const Ids& ids = all.ids();
-  const std::vector<FormFactors::Entry> lines = sums_.lines->entriesOfResult();
+  // Between faces, lines have an entry for each pair in order, for common directions count the leak. Large scenes have
+  // no memory for a second list of them.
+  const LineSums& of_pairs = *sums_.lines;
+  const bool by_polygon = options_.by == By::polygon && !of_pairs.hasBacks();
+  const std::vector<FormFactors::Entry> merged =
+      by_polygon ? std::vector<FormFactors::Entry>{} : of_pairs.entriesOfResult();
+  const size_t count = by_polygon ? of_pairs.pairs().size() : merged.size();
+  const auto keyAt = [&](size_t k) { return by_polygon ? keyOf(of_pairs.pairs()[k]) : keyOf(merged[k]); };
+  const auto errorAt = [&](size_t k) {
+    return (by_polygon ? of_pairs.exchangeArea(k) : merged[k].exchange_area).standard_error;
+  };
   Wanting wanting;
   needs_directions_ = false;
-  auto line = lines.begin();
+  size_t line = 0;
   for (const FormFactors::Entry& entry : all.entries()) {
     const double excess = excessOf(entry, ids);
     if (!(excess > 1)) continue;
-    while (line != lines.end() && keyOf(*line) < keyOf(entry)) ++line;
-    const bool has_lines = line != lines.end() && keyOf(*line) == keyOf(entry);
-    const double of_lines = has_lines ? line->exchange_area.standard_error : 0,
-                 whole = entry.exchange_area.standard_error, allowed = whole / excess,
-                 of_counts = std::sqrt(std::max(0.0, whole * whole - of_lines * of_lines));
+    while (line < count && keyAt(line) < keyOf(entry)) ++line;
+    const bool has_lines = line < count && keyAt(line) == keyOf(entry);
+    const double of_lines = has_lines ? errorAt(line) : 0, whole = entry.exchange_area.standard_error,
+                 allowed = whole / excess, of_counts = std::sqrt(std::max(0.0, whole * whole - of_lines * of_lines));
     if (has_lines && of_counts < allowed)
       wanting.emplace_back(keyOf(entry), of_lines / std::sqrt(allowed * allowed - of_counts * of_counts));
     // Pairs of polygons that were counted are within the goal whatever their counts (kMostOfCounted).
@@ -228,7 +242,7 @@ void LineRun::planFurther(const Wanting& wanting) {
     // The number of lines is proportional to the error to the power of -8/5. kMostGrowth limits it, because an error
     // from few lines is rough.
     const double lines = std::min(kSpare * std::pow(at->second, 8.0 / 5), kMostGrowth) - 1,
-                 times = lines * double(sums_.lines->sums()[k].blocks) / pairs[k].blocks;
+                 times = lines * double(sums_.lines->sumOf(k).blocks) / pairs[k].blocks;
     further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));
     is_reached_ = false;
   }
@@ -277,6 +291,7 @@ void LineRun::step() {
   leaveOutPairsWithLines(common, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, common, options_.directions, counts);
+  common = {};  // measuring takes as much memory
   measureErrors();
 }
 

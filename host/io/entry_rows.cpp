@@ -1,6 +1,9 @@
 #include "io/entry_rows.h"
 
+#include <limits>
+
 #include "threads.h"
+#include <viewpeel/error.h>
 
 namespace viewpeel {
 
@@ -20,6 +23,17 @@ EntryRows::EntryRows(const FormFactors& form_factors)
   std::vector<size_t> next(mirrored_starts_.begin(), mirrored_starts_.end() - 1);
   for (size_t pair = 0; pair < entries.size(); ++pair)
     if (isMirrored(entries[pair])) mirrored_[next[entries[pair].j]++] = pair;
+}
+
+std::vector<int64_t> EntryRows::startsOfRows() const {
+  const Ids& ids = form_factors_.ids();
+  if (ids.rowCount() > static_cast<uint32_t>(std::numeric_limits<int32_t>::max()))
+    throw Error(ErrorCode::limit, "sparse rows hold 2147483647 rows at most; use --by surface");
+  const std::vector<uint32_t> rows = ids.rows();
+  std::vector<int64_t> starts(ids.rowCount() + 1, 0);
+  forEach([&](const RowEntry& entry) { starts[rows[entry.i] + 1] += entry.j < kEnvironment; });
+  for (size_t row = 1; row < starts.size(); ++row) starts[row] += starts[row - 1];
+  return starts;
 }
 
 void printEntries(const EntryRows& rows, std::ostream& out,

@@ -49,6 +49,9 @@ class EntryRows {
       call(form_factors_.entries()[mirrored_[k]].i, mirrored_[k]);
     for (size_t pair = starts_[i]; pair < starts_[i + 1]; ++pair) call(form_factors_.entries()[pair].j, pair);
   }
+  // Returns where each row of the file begins among the entries between rows: int64_t[rows + 1]. Rows without an id are
+  // empty.    Throws: Error limit beyond 2^31 - 1 rows.
+  std::vector<int64_t> startsOfRows() const;
   // Returns the interval of an entry's form factor, where a guarantee gives intervals.
   Interval intervalOf(const RowEntry& entry) const {
     const double area = form_factors_.ids().areas[entry.i];

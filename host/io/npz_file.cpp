@@ -13,6 +13,7 @@ static_assert(std::endian::native == std::endian::little, "arrays are little-end
 
 constexpr uint32_t kAllOnes = 0xFFFFFFFFu;  // marks a size or offset that the extra field holds in 64 bits
 constexpr uint16_t kZip64Version = 45, kExtraZip64 = 1;
+constexpr size_t kPart = 1 << 16;               // values of an array that are in memory together
 constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip can express, for files without a time
 
 // A Record collects the bytes of a record of a zip, little-endian.
@@ -33,6 +34,11 @@ class Record {
   std::string bytes_;
 };
 
+template <class T>
+const char* typeOf() {
+  return std::is_same_v<T, int32_t> ? "<i4" : std::is_same_v<T, int64_t> ? "<i8" : "<f8";
+}
+
 // Returns the header of a .npy file: magic, version, length, and a dictionary padded to a multiple of 64 bytes.
 std::string npyHead(const std::string& type, const std::string& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
@@ -45,27 +51,48 @@ std::string npyHead(const std::string& type, const std::string& shape) {
 
 template <class T>
 void NpzOutput::write(const std::string& name, std::span<const T> values) {
-  const char* type = std::is_same_v<T, int32_t> ? "<i4" : std::is_same_v<T, int64_t> ? "<i8" : "<f8";
-  add(name, npyHead(type, fmt::format("({},)", values.size())),
-      {reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+  add(name, npyHead(typeOf<T>(), fmt::format("({},)", values.size())), values.size_bytes(), [&](const auto& use) {
+    use({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
+  });
+}
+
+template <class T>
+void NpzOutput::write(const std::string& name, size_t count,
+                      const std::function<void(const std::function<void(T)>&)>& forEach) {
+  add(name, npyHead(typeOf<T>(), fmt::format("({},)", count)), count * sizeof(T), [&](const auto& use) {
+    std::vector<T> part;
+    part.reserve(kPart);
+    const auto usePart = [&] {
+      use({reinterpret_cast<const char*>(part.data()), part.size() * sizeof(T)});
+      part.clear();
+    };
+    forEach([&](T value) {
+      part.push_back(value);
+      if (part.size() == kPart) usePart();
+    });
+    usePart();
+  });
 }
 
 void NpzOutput::writeText(const std::string& name, const std::string& text) {
-  add(name, npyHead(fmt::format("|S{}", text.size()), "()"), {text.data(), text.size()});
+  add(name, npyHead(fmt::format("|S{}", text.size()), "()"), text.size(), [&](const auto& use) {
+    use({text.data(), text.size()});
+  });
 }
 
-void NpzOutput::add(const std::string& name, const std::string& head, std::span<const char> data) {
+void NpzOutput::add(const std::string& name, const std::string& head, size_t size,
+                    const std::function<void(const std::function<void(std::span<const char>)>&)>& forEachPart) {
   boost::crc_32_type sum;
   sum.process_bytes(head.data(), head.size());
-  sum.process_bytes(data.data(), data.size());
-  const Member member{name + ".npy", sum.checksum(), head.size() + data.size(), place_};
+  forEachPart([&](std::span<const char> part) { sum.process_bytes(part.data(), part.size()); });
+  const Member member{name + ".npy", sum.checksum(), head.size() + size, place_};
   Record record;
   record.add(uint32_t(0x04034b50)).add(kZip64Version).add(uint16_t(0)).add(uint16_t(0)).add(uint16_t(0));
   record.add(kFirstOfJanuary1980).add(member.check_sum).add(kAllOnes).add(kAllOnes);
   record.add(static_cast<uint16_t>(member.name.size())).add(uint16_t(20)).add(member.name);
   record.add(kExtraZip64).add(uint16_t(16)).add(member.size).add(member.size);
   out_ << record.bytes() << head;
-  out_.write(data.data(), static_cast<std::streamsize>(data.size()));
+  forEachPart([&](std::span<const char> part) { out_.write(part.data(), static_cast<std::streamsize>(part.size())); });
   place_ += record.bytes().size() + member.size;
   members_.push_back(member);
 }
@@ -92,5 +119,9 @@ void NpzOutput::finish() {
 template void NpzOutput::write(const std::string&, std::span<const int32_t>);
 template void NpzOutput::write(const std::string&, std::span<const int64_t>);
 template void NpzOutput::write(const std::string&, std::span<const double>);
+template void NpzOutput::write(const std::string&, size_t,
+                               const std::function<void(const std::function<void(int32_t)>&)>&);
+template void NpzOutput::write(const std::string&, size_t,
+                               const std::function<void(const std::function<void(double)>&)>&);
 
 }  // namespace viewpeel

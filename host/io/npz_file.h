@@ -2,6 +2,7 @@
 //   Sources: the NPY format, version 1.0 (numpy.lib.format); PKWARE, APPNOTE.TXT 6.3.9, sections 4.3 and 4.5.3.
 #pragma once
 #include <cstdint>
+#include <functional>
 #include <ostream>
 #include <span>
 #include <string>
@@ -18,6 +19,11 @@ class NpzOutput {
   // Adds NAME.npy, an array of one dimension.    In: values: int32_t, int64_t or double
   template <class T>
   void write(const std::string& name, std::span<const T> values);
+  // Adds NAME.npy without having all of it in memory.
+  //   In: count: of values; forEach(use): calls use(value) for each of them. It is called twice, and must give the same
+  //   values.
+  template <class T>
+  void write(const std::string& name, size_t count, const std::function<void(const std::function<void(T)>&)>& forEach);
   // Adds NAME.npy: one text, as an array of bytes without dimensions.
   void writeText(const std::string& name, const std::string& text);
   // Writes the directory of the zip. Call it last.
@@ -29,7 +35,9 @@ class NpzOutput {
     uint32_t check_sum;
     uint64_t size, place;
   };
-  void add(const std::string& name, const std::string& head, std::span<const char> data);
+  // Adds a member.    In: forEachPart(use): calls use(bytes) for each part of `size` bytes; it is called twice
+  void add(const std::string& name, const std::string& head, size_t size,
+           const std::function<void(const std::function<void(std::span<const char>)>&)>& forEachPart);
   std::ostream& out_;
   std::vector<Member> members_;
   uint64_t place_ = 0;

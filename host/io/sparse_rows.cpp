@@ -1,23 +1,19 @@
 #include <viewpeel/sparse_rows.h>
 
-#include <limits>
-
-#include <viewpeel/error.h>
 #include "io/entry_rows.h"
 
 namespace viewpeel {
 
 SparseRows compressRows(const FormFactors& form_factors) {
-  const Ids& ids = form_factors.ids();
-  if (ids.rowCount() > static_cast<uint32_t>(std::numeric_limits<int32_t>::max()))
-    throw Error(ErrorCode::limit, "sparse rows hold 2147483647 rows at most; use --by surface");
-  const std::vector<uint32_t> rows = ids.rows();
-  SparseRows sparse;
-  sparse.starts.assign(ids.rowCount() + 1, 0);
+  const std::vector<uint32_t> rows = form_factors.ids().rows();
   const EntryRows entries(form_factors);
+  SparseRows sparse;
+  sparse.starts = entries.startsOfRows();
+  const auto count = static_cast<size_t>(sparse.starts.back());
+  sparse.columns.reserve(count), sparse.form_factors.reserve(count), sparse.standard_errors.reserve(count);
+  if (form_factors.hasIntervals()) sparse.lower.reserve(count), sparse.upper.reserve(count);
   entries.forEach([&](const RowEntry& entry) {
     if (entry.j >= kEnvironment) return;
-    ++sparse.starts[rows[entry.i] + 1];
     sparse.columns.push_back(static_cast<int32_t>(rows[entry.j]));
     sparse.form_factors.push_back(entry.form_factor.value);
     sparse.standard_errors.push_back(entry.form_factor.standard_error);
@@ -25,7 +21,6 @@ SparseRows compressRows(const FormFactors& form_factors) {
     const Interval interval = entries.intervalOf(entry);
     sparse.lower.push_back(interval.lower), sparse.upper.push_back(interval.upper);
   });
-  for (size_t row = 1; row < sparse.starts.size(); ++row) sparse.starts[row] += sparse.starts[row - 1];
   return sparse;
 }
 

@@ -219,15 +219,16 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint8_t>(out, "lines/by_angles", pairs, [](const LinePair& pair) { return pair.by_angles; });
   writeColumn<uint32_t>(out, "lines/cuts", pairs, [](const LinePair& pair) { return pair.cuts; });
   writeColumn<uint32_t>(out, "lines/parts", pairs, [](const LinePair& pair) { return pair.parts; });
-  const auto& of_pairs = lines.sums();
-  writeColumn<uint64_t>(out, "lines/facing", of_pairs, [](const LineSum& sum) { return sum.facing; });
-  writeColumn<uint64_t>(out, "lines/all", of_pairs, [](const LineSum& sum) { return sum.all; });
-  writeColumn<uint64_t>(out, "lines/effective", of_pairs, [](const LineSum& sum) { return sum.effective; });
-  writeColumn<uint64_t>(out, "lines/facing_squares", of_pairs, [](const LineSum& sum) { return sum.facing_squares; });
-  writeColumn<uint64_t>(out, "lines/products", of_pairs, [](const LineSum& sum) { return sum.products; });
-  writeColumn<uint64_t>(out, "lines/all_squares", of_pairs, [](const LineSum& sum) { return sum.all_squares; });
-  writeColumn<uint64_t>(out, "lines/drawn_blocks", of_pairs, [](const LineSum& sum) { return sum.blocks; });
-  writeColumn<uint32_t>(out, "lines/replicates", of_pairs, [](const LineSum& sum) { return sum.replicates; });
+  const auto sumOf = [&](const LinePair& pair) -> const LineSum& { return lines.sumOf(&pair - pairs.data()); };
+  writeColumn<uint64_t>(out, "lines/facing", pairs, [&](const LinePair& pair) { return sumOf(pair).facing; });
+  writeColumn<uint64_t>(out, "lines/all", pairs, [&](const LinePair& pair) { return sumOf(pair).all; });
+  writeColumn<uint64_t>(out, "lines/effective", pairs, [&](const LinePair& pair) { return sumOf(pair).effective; });
+  writeColumn<uint64_t>(out, "lines/facing_squares", pairs,
+                        [&](const LinePair& pair) { return sumOf(pair).facing_squares; });
+  writeColumn<uint64_t>(out, "lines/products", pairs, [&](const LinePair& pair) { return sumOf(pair).products; });
+  writeColumn<uint64_t>(out, "lines/all_squares", pairs, [&](const LinePair& pair) { return sumOf(pair).all_squares; });
+  writeColumn<uint64_t>(out, "lines/drawn_blocks", pairs, [&](const LinePair& pair) { return sumOf(pair).blocks; });
+  writeColumn<uint32_t>(out, "lines/replicates", pairs, [&](const LinePair& pair) { return sumOf(pair).replicates; });
 }
 
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
@@ -353,7 +354,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   const auto replicate_count = readOne<uint64_t>(in, "lines/replicate_count");
   const auto least = readOne<double>(in, "lines/least_form_factor");
   if (!(least >= 0 && least <= 1)) in.refuse("its 'lines/least_form_factor' is no form factor");
-  return LineSums(face_ids, by, std::move(pairs), least, std::move(sums), replicate_count);
+  return LineSums(face_ids, by, std::move(pairs), least, sums, replicate_count);
 }
 
 }  // namespace viewpeel

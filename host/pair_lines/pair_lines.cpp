@@ -58,8 +58,13 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
     return std::minmax({finder_.patches()[part.a].id, finder_.patches()[part.b].id});
   };
   std::ranges::stable_sort(parts_.pairs, {}, idsOf);
+  size_t count = 0;
+  for (size_t k = 0; k < parts_.pairs.size(); ++k)
+    count += k == 0 || idsOf(parts_.pairs[k]) != idsOf(parts_.pairs[k - 1]);
   std::vector<LinePair> pairs;
-  groups_.clear();
+  pairs.reserve(count);
+  groups_ = {};
+  groups_.reserve(count);
   const double unit = scene_.scale * scene_.scale;
   for (uint32_t k = 0; k < parts_.pairs.size(); ++k) {
     const PatchPair& part = parts_.pairs[k];

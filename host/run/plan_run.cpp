@@ -8,6 +8,7 @@
 
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
+#include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
 #include "run/run_state.h"
@@ -186,6 +187,7 @@ std::string FormFactorRun::State::makePairLines() {
 bool FormFactorRun::State::findLinePairs() {
   const auto begun = Clock::now();
   line_pairs = pair_lines->find(line_mixture.least_form_factor);
+  if (line_pairs.size() > kLargeList) returnFreedMemory();  // threads had lists of their own
   finding_seconds = secondsSince(begun);
   if (pair_lines->hasTooMany()) requireNoPairLines();
   return !pair_lines->hasTooMany();

@@ -20,7 +20,7 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
 // Calls add_to(sum, pair) for each of `pairs`, in any order, with the sum that has the pair's key. A pair without a sum
 // gets a new one, Sum{i, j}, first.
 //   In: sums, pairs: sorted by (i, j), every pair at most once
-//   Cost: O(sums + pairs) work; memory only for the new sums.
+//   Cost: O(sums + pairs) work; memory for the new sums, and an eighth to spare.
 template <class Sum, class Pairs, class AddTo>
 void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   size_t fresh = 0, from = 0;
@@ -32,6 +32,7 @@ void addPairs(std::vector<Sum>& sums, const Pairs& pairs, AddTo add_to) {
   // Old sums move to their new places from the last one on, and new sums are put between them.
   from = sums.size();
   size_t to = from + fresh;
+  if (to > sums.capacity()) sums.reserve(to + to / 8);  // by itself a vector would double, and many have GB
   sums.resize(to);
   for (auto pair = pairs.rbegin(); to > from; ++pair) {
     while (from > 0 && keyOf(*pair) < keyOf(sums[from - 1])) sums[--to] = std::move(sums[--from]);

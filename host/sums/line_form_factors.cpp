@@ -9,23 +9,27 @@
 namespace viewpeel {
 namespace {
 
-// Adds the pairs that common directions counted to the entries of pairs with lines. No pair is among both but between
-// surfaces, whose pairs of faces may be of either kind.
-//   In: least_form_factor: 0 between surfaces
+// Merges the pairs that common directions counted into the entries of pairs with lines. No pair is among both but
+// between surfaces, whose pairs of faces may be of either kind.
+//   In: entries: with room for the counted pairs; least_form_factor: 0 between surfaces
 void addCounted(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
                 double count_area, double least_form_factor) {
-  const auto line_count = static_cast<std::ptrdiff_t>(entries.size());
-  entries.reserve(entries.size() + counted.pairs().size());
-  for (const ReplicateSums::PairSum& pair : counted.pairs()) {
+  const auto toEntry = [&](const ReplicateSums::PairSum& pair) {
     Measured exchange = counted.exchangeArea(pair, measure_area, count_area);
     if (least_form_factor > 0 && pair.j < kEnvironment) {
       const double largest = least_form_factor * counted.ids().smallerArea(pair.i, pair.j);
       exchange.value = std::min(exchange.value, kMostOfCounted * largest);
       exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, largest));
     }
-    entries.push_back({pair.i, pair.j, exchange});
+    return FormFactors::Entry{pair.i, pair.j, exchange};
+  };
+  // Entries move to the end, from the last one on, and counted pairs are put between them.
+  size_t from = entries.size(), to = from + counted.pairs().size();
+  entries.resize(to);
+  for (auto pair = counted.pairs().rbegin(); pair != counted.pairs().rend(); ++pair) {
+    while (from > 0 && keyOf(*pair) < keyOf(entries[from - 1])) entries[--to] = entries[--from];
+    entries[--to] = toEntry(*pair);
   }
-  std::ranges::inplace_merge(entries, entries.begin() + line_count, {}, keyOf<FormFactors::Entry>);
   addSameKeys(entries);
 }
 
@@ -63,7 +67,7 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
   if (lines.leastFormFactor() == 0)
     return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
   const Ids& ids = counted.ids();
-  std::vector<FormFactors::Entry> entries = lines.entries();
+  std::vector<FormFactors::Entry> entries = lines.entries(by == By::polygon ? counted.pairs().size() : 0);
   if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   addCounted(entries, counted, measure_area, count_area, by == By::polygon ? lines.leastFormFactor() : 0);

@@ -27,24 +27,33 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
 }
 
 LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor)
-    : ids_(std::move(ids)),
-      by_(by),
-      pairs_(std::move(pairs)),
-      least_form_factor_(least_form_factor),
-      sums_(pairs_.size()) {}
+    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), least_form_factor_(least_form_factor) {
+  findPlaces();
+}
 
-LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, std::vector<PairSum> sums,
-                   uint64_t replicate_count)
-    : ids_(std::move(ids)),
-      by_(by),
-      pairs_(std::move(pairs)),
-      least_form_factor_(least_form_factor),
-      sums_(std::move(sums)),
-      replicate_count_(replicate_count) {}
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor,
+                   const std::vector<PairSum>& sums, uint64_t replicate_count)
+    : LineSums(std::move(ids), by, std::move(pairs), least_form_factor) {
+  for (size_t k = 0; k < sums.size(); ++k)
+    if (places_[k] != kNoPlace) sums_[places_[k]] = sums[k];
+  replicate_count_ = replicate_count;
+}
+
+void LineSums::findPlaces() {
+  uint32_t count = 0;
+  places_.reserve(pairs_.size());
+  for (const LinePair& pair : pairs_) places_.push_back(pair.blocks ? count++ : kNoPlace);
+  sums_.resize(count);
+}
+
+const LineSums::PairSum& LineSums::sumOf(size_t pair) const {
+  static constexpr PairSum kNone{};
+  return places_[pair] == kNoPlace ? kNone : sums_[places_[pair]];
+}
 
 void LineSums::add(const LineCounts& counts) {
   ++replicate_count_;
-  for (const LineCount& count : counts) addTo(sums_[count.pair], count);
+  for (const LineCount& count : counts) addTo(sums_[places_[count.pair]], count);
 }
 
 void LineSums::addTo(PairSum& sum, const LineCount& count) {
@@ -69,7 +78,7 @@ void LineSums::add(const LineSums& others) {
 
 uint64_t LineSums::lineCount() const {
   uint64_t lines = 0;
-  for (size_t k = 0; k < sums_.size(); ++k) lines += 16 * sums_[k].blocks * pairs_[k].parts;
+  for (size_t k = 0; k < pairs_.size(); ++k) lines += 16 * sumOf(k).blocks * pairs_[k].parts;
   return lines;
 }
 
@@ -112,7 +121,7 @@ Measured LineSums::exchangeArea(size_t k) const {
   const LinePair& pair = pairs_[k];
   const double most = std::min(pair.exchange, smallerArea(pair)), blockable = std::max(0.0, pair.exchange - pair.clear);
   if (pair.blocks == 0) return {most, pair.error};
-  const Visibility visibility = visibilityOf(sums_[k], pair.blocks);
+  const Visibility visibility = visibilityOf(sumOf(k), pair.blocks);
   const double value = std::min(most, pair.clear + visibility.value * blockable);
   double error = blockable * std::sqrt(visibility.variance);
   error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
@@ -131,8 +140,8 @@ std::vector<double> LineSums::errorsInSums() const {
     return classes[static_cast<size_t>(std::bit_width(pair.blocks))];
   };
   for (size_t k = 0; k < pairs_.size(); ++k) {
-    if (pairs_[k].blocks == 0 || sums_[k].all == 0) continue;
-    const LineVariances of = variancesOf(sums_[k]);
+    if (pairs_[k].blocks == 0 || sumOf(k).all == 0) continue;
+    const LineVariances of = variancesOf(sumOf(k));
     if (of.degrees_of_freedom == 0) continue;
     const double square = blockable(pairs_[k]) * blockable(pairs_[k]);
     Class& found = classOf(pairs_[k]);
@@ -142,8 +151,8 @@ std::vector<double> LineSums::errorsInSums() const {
   }
   std::vector<double> errors(pairs_.size());
   for (size_t k = 0; k < pairs_.size(); ++k) {
-    if (pairs_[k].blocks == 0 || sums_[k].all == 0) continue;
-    const LineVariances of = variancesOf(sums_[k]);
+    if (pairs_[k].blocks == 0 || sumOf(k).all == 0) continue;
+    const LineVariances of = variancesOf(sumOf(k));
     const Class& found = classOf(pairs_[k]);
     const double ratio = found.by_chance > 0 ? found.of_replicates / found.by_chance : 1,
                  factor = (kChanceDegrees + found.degrees * ratio) / (kChanceDegrees + found.degrees);
@@ -174,9 +183,9 @@ double LineSums::smallerArea(const LinePair& pair) const {
   return std::min(ids_.areas[pair.i], pair.j < ids_.count() ? ids_.areas[pair.j] : INFINITY);
 }
 
-std::vector<FormFactors::Entry> LineSums::entries() const {
+std::vector<FormFactors::Entry> LineSums::entries(size_t room) const {
   std::vector<FormFactors::Entry> entries;
-  entries.reserve(pairs_.size());
+  entries.reserve(pairs_.size() + room);
   const std::vector<double> errors_in_sums = errorsInSums();
   for (size_t k = 0; k < pairs_.size(); ++k) {
     const Measured exchange = exchangeArea(k);
@@ -205,6 +214,7 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
   }
   std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
   addSameKeys(entries);
+  entries.shrink_to_fit();  // few of many are left
   return entries;
 }
 

@@ -82,7 +82,7 @@ class LineSums {
   //     among them
   LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor = 0);
   // Restores sums from a checkpoint.    In: sums: PairSum[pairs]
-  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, std::vector<PairSum> sums,
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, const std::vector<PairSum>& sums,
            uint64_t replicate_count);
 
   // Adds one replicate.
@@ -98,7 +98,10 @@ class LineSums {
   // Pairs with a smaller unoccluded form factor, from the smaller face, are counted by common directions. With 0 no
   // pair is.
   double leastFormFactor() const { return least_form_factor_; }
+  // Returns the sums of the pairs that have lines, in the order of pairs().
   const std::vector<PairSum>& sums() const { return sums_; }
+  // Returns the sums of a pair; all are 0 where it has no lines.    In: pair: index in pairs()
+  const PairSum& sumOf(size_t pair) const;
   uint64_t replicateCount() const { return replicate_count_; }
   // Returns the number of lines of all pairs in all replicates so far.
   uint64_t lineCount() const;
@@ -111,7 +114,8 @@ class LineSums {
   // Returns the exchange areas of all pairs of faces, and of each face with kLeak, which is the sum over the face's
   // pairs with backs. They are sorted, and in input units squared.
   //   Error: docs/method.md, eq. (47); bench/programs/coverage.cpp measures how often intervals hold the truth.
-  std::vector<FormFactors::Entry> entries() const;
+  //   In: room: further entries for which the vector has room
+  std::vector<FormFactors::Entry> entries(size_t room = 0) const;
   // Returns the exchange areas of entries() by the rows of the result: between faces, or added up between surfaces.
   std::vector<FormFactors::Entry> entriesOfResult() const;
   // Returns the error that each pair adds to a sum over many pairs: docs/method.md, eq. (61). In input units squared.
@@ -123,10 +127,17 @@ class LineSums {
   bool goesWith(const LineSums& others) const;
 
  private:
+  static constexpr uint32_t kNoPlace = UINT32_MAX;
+
+  void findPlaces();
+
   Ids ids_;
   By by_;
   std::vector<LinePair> pairs_;
   double least_form_factor_;
+  // Most pairs of large scenes have no lines, so sums_ has the others alone. places_ has the index in sums_ of each
+  // pair, or kNoPlace.
+  std::vector<uint32_t> places_;
   std::vector<PairSum> sums_;
   uint64_t replicate_count_ = 0;
 };
