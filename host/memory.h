@@ -30,9 +30,11 @@ inline void keepFreedMemory() {
 #endif
 }
 
+// Freeing a list of more entries than this, each of 30 to 60 bytes, is worth a call of returnFreedMemory().
+constexpr size_t kLargeList = 5'000'000;
+
 // Returns freed memory to the system. A list as large as the matrix leaves a hole, which smaller lists break up before
 // the next one of its size.    Cost: the kernel clears pages that are used again, some 0.3 s a GB.
-constexpr size_t kLargeList = 5'000'000;  // entries of 30 to 60 bytes: lists of more are worth the time
 inline void returnFreedMemory() { ::malloc_trim(0); }
 
 }  // namespace viewpeel

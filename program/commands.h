@@ -9,7 +9,7 @@
 
 namespace viewpeel::program {
 
-// The exit status is 0 for success, one of these, or 128 and the number of the signal that stopped a run.
+// The exit status is 0 for success, one of the constants below, or 128 and the number of the signal that stopped a run.
 constexpr int kFailed = 1, kBadUsage = 2, kGoalMissed = 3;
 
 // Runs a subcommand and returns the exit status.

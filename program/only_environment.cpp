@@ -81,8 +81,8 @@ std::string describeWork(const EnvironmentParts& parts) {
                                 : "");
 }
 
-// Measures the environment by directions and rays. Where rays are more work than the lines of all pairs, those give it:
-// a row's environment is 1 less its pairs, most of which nothing blocks. Sky and ground then need rays for their
+// Measures the environment by directions and rays. Where rays are more work than the lines of all pairs, the pairs give
+// it: a row's environment is 1 less its pairs, most of which nothing blocks. Sky and ground then need rays for their
 // shares.
 Measurement measure(const ComputeOptions& options, const Scene& scene, EnvironmentRequest request,
                     const Observer& observer) {
@@ -101,7 +101,7 @@ Measurement measure(const ComputeOptions& options, const Scene& scene, Environme
   }
   while (!run.isDone()) run.step();
   const Result result = run.result();
-  request.known = environmentOf(result.form_factors);
+  request.whole_environment = environmentOf(result.form_factors);
   if (options.up) parts = measureEnvironment(scene, request, observer);
   const bool is_reached = result.goal_reached && (!options.up || parts.is_reached);
   parts = splitEnvironment(result.form_factors, std::move(parts));
@@ -196,7 +196,7 @@ std::optional<EnvironmentParts> splitEnvironmentOf(const ComputeOptions& options
   if (guarantee) request.tolerance = guarantee->epsilon;
   else if (request.tolerance == kNoTolerance)
     request.tolerance = std::max(result.largest_standard_error, kLeastTolerance);
-  request.known = environmentOf(result.form_factors);
+  request.whole_environment = environmentOf(result.form_factors);
   EnvironmentParts parts = measureEnvironment(scene, request, observer);
   if (!parts.is_reached)
     warn(

@@ -27,9 +27,8 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
         ->check(isPositive);
   };
   addGoal("--tolerance", options->tolerance,
-          "For daily work: go on until the largest standard error of all form factors is at most this; 1e-3 unless "
-          "another goal or "
-          "--directions is given",
+          "For daily work: the largest error of all form factors is about this. Where they are sampled by directions "
+          "alone, their largest standard error is at most this. 1e-3 unless another goal or --directions is given",
           "T");
   command
       ->add_option_function<std::string>(

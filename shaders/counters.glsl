@@ -5,7 +5,8 @@ layout(buffer_reference, scalar, buffer_reference_align = 8) coherent buffer Cou
 
 const uint kMostProbes = 256u;  // places of the hash table that are tried for a pair
 
-// A gap counts for a pair (x, y) of ids with x <= y, or for the environment or leak of id x: then y is one of these.
+// A gap counts for a pair (x, y) of ids with x <= y, or for the environment or leak of id x: then y is one of the
+// two columns below.
 const uint kEnvironmentColumn = 0xFFFFFFFEu;
 const uint kLeakColumn = 0xFFFFFFFFu;
 
@@ -23,8 +24,8 @@ const uint kFacing = 0u;
 const uint kFacingOrBlocked = 1u;
 
 struct Counters {
-  // Address of the dense triangle, uint64_t[][per_pair], or of the hash table, uint64_t[mask + 1][1 + per_pair]. A
-  // place of the table has the pair's one's complement, 0 where it is free, and its counters.
+  // This is the address of the dense triangle, uint64_t[][per_pair], or of the hash table, uint64_t[mask + 1][1 +
+  // per_pair]. A place of the table has the pair's one's complement, 0 where it is free, and its counters.
   uint64_t at;
   uint64_t status;  // BatchStatus
   uint id_count;

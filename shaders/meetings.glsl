@@ -1,6 +1,6 @@
 // This part of meet.comp and of peel_blocked.comp counts the samples on which the fronts of two polygons look at each
 // other, whatever lies between them. Each invocation has one polygon that may be the nearer of a pair. It goes through
-// the polygons that may be the farther one; each invocation loads one of these, and shuffles pass it on. Where the
+// the polygons that may be the farther one; each invocation loads one of them, and shuffles pass it on. Where the
 // ranges of their keys do not overlap, all samples that the two have in common count. Where they overlap, the keys are
 // compared sample by sample. A pair of two-sided polygons counts in either order.
 

@@ -8,8 +8,8 @@
 // The truth of office, room and city is a long run of 16,384 directions on 256 scanlines. --host counts scanlines with
 // the host engine, not lattice points with the compute engine. With --directed some pairs are directed pairs: pilots
 // predict that they keep a run from a relative error of R. A rule R is a fixed number of replicates. A rule R:G counts
-// at least R replicates, and continues until the largest standard error reaches a tolerance, which is chosen so that
-// runs take G replicates in the mean.
+// at least R replicates, and continues until the largest standard error reaches a tolerance. The tolerance is chosen so
+// that runs take G replicates in the mean.
 //
 // Entries are classed by the number of lattice points that a replicate is expected to count for them. With unoccluded
 // form factors there is also a class of entries that something blocks in part, for other pairs are exact once a line

@@ -1,6 +1,6 @@
 // This bench tests standard errors of heat flows and temperatures. Over many seeds it counts how often the 95 %
-// interval, value +- t_0.975 standard errors, holds the true value, with t of R - 1 degrees of freedom, or R + 4 with
-// pair lines. It prints CSV on stdout, with a row for each scene, way to count, and kind of value.
+// interval, value +- t_0.975 standard errors, holds the true value. Student's t has R - 1 degrees of freedom, or R + 4
+// with pair lines. It prints CSV on stdout, with a row for each scene, way to count, and kind of value.
 //   heat_coverage [--scene sheet|office]... [--seeds K]
 //
 // The scene `sheet` has parts of two squares past a sheet, with form factors in closed form. The truth of the office,

@@ -46,11 +46,11 @@ struct ExchangeProducts::Worker {
   }
   // Adds what a row met outside of all pairs, in the unit of outsideBits().
   void addOutside(size_t row, std::array<WideInteger, 4>& to) const {
-    const auto add = [&](const auto& of_row, uint64_t own) {
-      to[0] += of_row.ahead, to[1] += of_row.behind, to[2] += of_row.leak, to[3] += own;
+    const auto add = [&](const auto& of_row, uint64_t within) {
+      to[0] += of_row.ahead, to[1] += of_row.behind, to[2] += of_row.leak, to[3] += within;
     };
     if (is_shared) add(shared.outside(row), 0);
-    else add(products.outside(row), products.outside(row).own);
+    else add(products.outside(row), products.outside(row).within);
   }
   int outsideBits() const { return is_shared ? SharedProducts::kOutsideBits : 0; }
 
@@ -132,7 +132,7 @@ std::vector<double> ExchangeProducts::multiply(std::span<const Direction> direct
       return std::ldexp(static_cast<double>(of_row[k]), -workers_.front()->outsideBits());
     };
     Outside& to = (*outside)[row];
-    to = {to.ahead + counts(0), to.behind + counts(1), to.leak + counts(2), to.own + counts(3)};
+    to = {to.ahead + counts(0), to.behind + counts(1), to.leak + counts(2), to.within + counts(3)};
   }
   return products;
 }

@@ -29,7 +29,7 @@ class ExchangeProducts {
 
   // An Outside is as PairProducts::Outside, in counts. With shares its numbers have fractions.
   struct Outside {
-    double ahead = 0, behind = 0, leak = 0, own = 0;
+    double ahead = 0, behind = 0, leak = 0, within = 0;
   };
 
   // Returns y = C x for each column, C being the symmetric matrix of the counts of facing pairs, without its diagonal.

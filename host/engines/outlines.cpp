@@ -206,8 +206,8 @@ void Outlines::findEdges() {
 }
 
 // Finds where the edges cross the rows. An edge on the polygon's left crosses at the first column inside, one on its
-// right at the first column beyond. Either is the least X with X >= v inverse, where v = row_0 + per_row y is exact in
-// doubles and inverse is -1 / |a| or 1 / |a|, so X = ceil(v inverse). Crossings within the window have |X| <= 2^23, so
+// right at the first column beyond. Either is the least X with X >= v inverse, so X = ceil(v inverse). Here v = row_0 +
+// per_row y is exact in doubles, and inverse is -1 / |a| or 1 / |a|. Crossings within the window have |X| <= 2^23, so
 // the product is off by less than 2^-28. The exact quotient is whole or at least 2^-26 from whole numbers, because |a|
 // < 2^26. So the product less 2^-27 rounds up to the same number.
 Outlines::Cuts Outlines::cut() {

@@ -20,9 +20,9 @@ class PairProducts {
   static constexpr uint32_t kBehind = kEnvironment - 1;
 
   // The Outside of a row counts lines that join it to no other row, so that they add nothing to a product. These lines
-  // leave the scene along the direction (ahead) or against it (behind), end on a back, or stay within the row (own).
+  // leave the scene along the direction (ahead) or against it (behind), end on a back, or stay within the row (within).
   struct Outside {
-    uint64_t ahead = 0, behind = 0, leak = 0, own = 0;
+    uint64_t ahead = 0, behind = 0, leak = 0, within = 0;
   };
 
   // Begins new products, with sums of 0.
@@ -74,7 +74,10 @@ class PairProducts {
   void addOutside(uint32_t i, uint32_t j, uint64_t weight) {
     if (!counts_outside_) return;
     Outside& of_row = outside_[i];
-    (j == kEnvironment ? of_row.ahead : j == kBehind ? of_row.behind : j == kLeak ? of_row.leak : of_row.own) += weight;
+    (j == kEnvironment ? of_row.ahead
+     : j == kBehind    ? of_row.behind
+     : j == kLeak      ? of_row.leak
+                       : of_row.within) += weight;
   }
 
   size_t columns_ = 1;

@@ -16,7 +16,7 @@ class RankedEngine final : public Engine {
     if (options.on_batch)
       // Progress is shown as if the other ranks counted as fast as this one.
       options.on_batch = [this, on_batch = std::move(options.on_batch)](uint64_t done) {
-        on_batch(own_ ? done * all_ / own_ : all_);
+        on_batch(here_ ? done * all_ / here_ : all_);
       };
     MessageWriter out;
     out.put(RankWork::open_engine).put(number_).put(kind);
@@ -39,8 +39,8 @@ class RankedEngine final : public Engine {
     const std::vector<std::string> answers = crew_.share(
         [&](uint32_t rank) { return MessageWriter().put(RankWork::count).put(number_).putAll(partOf(rank)).take(); },
         [&] {
-          own_ = partOf(0).size(), all_ = directions.size();
-          if (own_) parts[0] = engine_->count(partOf(0));
+          here_ = partOf(0).size(), all_ = directions.size();
+          if (here_) parts[0] = engine_->count(partOf(0));
         });
     for (const std::string& answer : answers) parts.push_back(MessageReader(answer).getAll<PairCount>());
     // Sums of two at a time take n log(ranks) additions.
@@ -66,8 +66,8 @@ class RankedEngine final : public Engine {
               .take();
         },
         [&] {
-          own_ = partOf(0).size(), all_ = directions.size();
-          if (own_) blocks = engine_->countBlocks(partOf(0), block_directions);
+          here_ = partOf(0).size(), all_ = directions.size();
+          if (here_) blocks = engine_->countBlocks(partOf(0), block_directions);
         });
     for (const std::string& answer : answers) {
       MessageReader in(answer);
@@ -86,7 +86,7 @@ class RankedEngine final : public Engine {
   Crew& crew_;
   bool by_threads_;
   uint64_t number_;
-  uint64_t own_ = 0, all_ = 0;  // directions of the present call
+  uint64_t here_ = 0, all_ = 0;  // directions of the present call
   std::unique_ptr<Engine> engine_;
 };
 

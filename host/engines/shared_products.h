@@ -1,8 +1,8 @@
 // SharedProducts multiply the exchange of rows by vectors where each polygon's lines are shared between two rows, in
 // another proportion along each direction: docs/method.md, section 15.
 //   y_p += a_p(u) count_ij(u) sum_q a_q(u) x_q   for the rows p of polygon i, the rows q of polygon j, and back
-// Here count_ij(u) are the facing lines of i and j along u, a_p(u) is row p's share of its polygon's lines, x are the
-// factors and y the products of rows.
+// Here count_ij(u) are the facing lines of i and j along u, and a_p(u) is row p's share of its polygon's lines. The
+// factors of rows are x, and their products y.
 #pragma once
 #include <cstdint>
 #include <functional>

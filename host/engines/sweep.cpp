@@ -107,8 +107,8 @@ const Sweep::DepthPlane& Sweep::depthPlane(uint32_t plane_index, const Direction
   return plane;
 }
 
-// Finds the spans of all rows. Where only some polygons emit, these come first. Other polygons then get spans in a row
-// only where they reach a column between the row's first and last column with an emitter.
+// Finds the spans of all rows. Where only some polygons emit, emitters come first. Other polygons then get spans in a
+// row only where they reach a column between the row's first and last column with an emitter.
 template <bool kAllCount>
 void Sweep::slice(const Direction& direction) {
   ++turn_;

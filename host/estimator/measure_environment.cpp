@@ -36,7 +36,8 @@ constexpr double kShareOfTime = 0.9;
 constexpr double kSpacingsPerSide = 2;
 constexpr int kFinestResolution = 1024;
 
-// Rays from rows: their least and largest number in a replicate. Errors are taken to fall with their number as n^-0.6.
+// A row with rays has from kFirstRays to kMostRays of them in a replicate. Errors are taken to fall as n^-0.6 with n
+// rays.
 constexpr uint32_t kFirstRays = 64, kMostRays = 1 << 16;
 constexpr double kRayExponent = 0.6, kMostRayGrowth = 16;
 // A direction takes the time of this many rays for each polygon of the scene. Sobol's points need about this share of
@@ -142,7 +143,8 @@ class Measurement {
   }
 
   double largestError(const EnvironmentParts& parts, uint32_t row) const {
-    if (!request_.known.empty()) return request_.known[row] * parts.up_share[row].standard_error;
+    if (!request_.whole_environment.empty())
+      return request_.whole_environment[row] * parts.up_share[row].standard_error;
     return std::max({parts.up[row].standard_error, parts.down[row].standard_error, parts.all[row].standard_error});
   }
 

@@ -146,7 +146,7 @@ double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
   const double more = directions / last.directions;
   const bool is_iid = options_.sampler == Sampler::iid && !options_.drawn_directions;
-  return last.variances.of_directions * (is_iid ? 1 / more : varianceLeft(last.variances.largest_of_met, more));
+  return last.variances.of_directions * (is_iid ? 1 / more : varianceLeft(last.variances.largest_by_meetings, more));
 }
 
 }  // namespace viewpeel

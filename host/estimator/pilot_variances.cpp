@@ -22,7 +22,7 @@ struct Residual {
 struct Moments {
   uint32_t i, j;
   std::array<double, 2> a{}, b{}, aa{}, bb{}, ab{};
-  uint32_t met = 0;  // replicates that met the pair
+  uint32_t meetings = 0;  // replicates that met the pair
 };
 
 // A Spread holds the variance of one replicate of one form factor, and the part of it that is due to the lattice.
@@ -63,7 +63,7 @@ void addReplicate(std::vector<Moments>& moments, size_t half, const std::vector<
     Moments& sum = merged.emplace_back(keyAt(mt, moments) == key ? *mt++ : Moments{key.first, key.second});
     const double x = keyAt(at, first) == key ? (at++)->counts : 0, y = keyAt(bt, second) == key ? (bt++)->counts : 0;
     sum.a[half] += x, sum.b[half] += y, sum.aa[half] += x * x, sum.bb[half] += y * y, sum.ab[half] += x * y;
-    sum.met += x != 0 || y != 0;
+    sum.meetings += x != 0 || y != 0;
   }
   moments = std::move(merged);
 }
@@ -95,7 +95,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
   }
 
   PilotVariances variances;
-  variances.largest_of_met.assign(counted.size() + 1, 0);
+  variances.largest_by_meetings.assign(counted.size() + 1, 0);
   std::vector<Spread> spreads;  // of max(F_ij, F_ji)
   for (const Moments& m : moments) {
     double unit = (m.i == m.j ? 4 : 2) * measure_area / ids.smallerArea(m.i, m.j);
@@ -106,7 +106,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     }
     const Spread spread = spreadOf(m, double(n));
     spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
-    double& largest = variances.largest_of_met[m.met];
+    double& largest = variances.largest_by_meetings[m.meetings];
     largest = std::max(largest, spreads.back().total);
   }
   if (spreads.empty()) return variances;
@@ -129,17 +129,17 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
   return variances;
 }
 
-double varianceLeft(double met, double more) { return (1 + met) / (more * (1 + met * more)); }
+double varianceLeft(double meetings, double more) { return (1 + meetings) / (more * (1 + meetings * more)); }
 
-double varianceLeft(const std::vector<double>& largest_of_met, double more) {
-  const double replicates = double(largest_of_met.size()) - 1;
+double varianceLeft(const std::vector<double>& largest_by_meetings, double more) {
+  const double replicates = double(largest_by_meetings.size()) - 1;
   double before = 0, after = 0;
-  for (size_t k = 0; k < largest_of_met.size(); ++k) {
+  for (size_t k = 0; k < largest_by_meetings.size(); ++k) {
     // A replicate meets the pair with probability 1 - e^-m, where m directions of it do so in the mean. Where every
     // replicate met the pair, m is the value that half a miss would give.
-    const double met = -std::log1p(-std::min(double(k), replicates - 0.5) / replicates);
-    before = std::max(before, largest_of_met[k]);
-    after = std::max(after, largest_of_met[k] * varianceLeft(met, more));
+    const double meetings = -std::log1p(-std::min(double(k), replicates - 0.5) / replicates);
+    before = std::max(before, largest_by_meetings[k]);
+    after = std::max(after, largest_by_meetings[k] * varianceLeft(meetings, more));
   }
   return before > 0 ? after / before : 1;
 }

@@ -22,8 +22,8 @@ struct PilotCounts {
 // from different form factors. They are relative to the form factor where the goal is relative.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
-  // largest_of_met[m] is the largest variance, of both parts, over the pairs that m of the pilot's replicates met.
-  std::vector<double> largest_of_met;
+  // largest_by_meetings[m] is the largest variance, of both parts, over the pairs that m of the pilot's replicates met.
+  std::vector<double> largest_by_meetings;
   // This is the standard error of of_directions. It is large where the lattice varies much more than the directions,
   // because few replicates measure a small covariance badly.
   double doubt = 0;
@@ -39,10 +39,10 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
 
 // Returns the share of a form factor's variance that is left if each replicate has `more` times as many directions, for
 // every sampler but iid: docs/method.md, section 8.
-//   In: met: directions of a replicate that meet the pair, in the mean
-double varianceLeft(double met, double more);
+//   In: meetings: directions of a replicate that meet the pair, in the mean
+double varianceLeft(double meetings, double more);
 
-// Returns the same for the largest variance over all form factors.    In: largest_of_met: as in PilotVariances
-double varianceLeft(const std::vector<double>& largest_of_met, double more);
+// Returns the same for the largest variance over all form factors.    In: largest_by_meetings: as in PilotVariances
+double varianceLeft(const std::vector<double>& largest_by_meetings, double more);
 
 }  // namespace viewpeel

@@ -24,8 +24,8 @@ constexpr double kFewLines = 16;  // lines of a part's first pilot; least lines 
 //   In: share: of its lines that nothing blocks; goal: standard error of this share
 double estimatedLines(double share, double goal) {
   if (goal >= kCertainError) return kFewLines;
-  // Eq. (47) of docs/method.md has the variance 2 b (1 - b) N^-1.25 for one replicate of N lines, that is N / 16
-  // blocks, where the share b is known. It is solved for N.
+  // Eq. (47) of docs/method.md has the variance 2 b (1 - b) N^-1.25 where the share b is known. It is that of one
+  // replicate of N lines, or N / 16 blocks. It is solved for N.
   const double need = std::max(std::pow(2 * share * (1 - share) / (goal * goal), kLineRate), kAgreeingLines / goal);
   return (need > kLinePilots * kFewLines ? kLinePilots * kFewLines : kFewLines) + std::max(need, kFewLines);
 }

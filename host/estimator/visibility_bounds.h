@@ -2,15 +2,15 @@
 // V - b (V + O - F0) over directions. V and O are a direction's facing and blocked lines as form factors, F0 is the
 // unoccluded form factor, and b the visibility that a pilot has fixed.
 //
-// Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M]
-// with M the range of the smaller polygon (bounds.h), because a line counts once at most, blocked or not. Eq. (31)
-// bounds the second moment of V - b T. Bernstein's inequality, eq. (32), then bounds the error of the mean. Without a
+// Derivation: docs/method.md, section 9, "With control variates". One direction's T = V + O of a pair lies in [0, M],
+// because a line counts once at most, blocked or not. M is the range of the smaller polygon (bounds.h). Eq. (31) bounds
+// the second moment of V - b T. Bernstein's inequality, eq. (32), then bounds the error of the mean. Without a
 // visibility b is 0, and V^2 <= M V bounds the second moment. Where F0 = 0 the two see nothing of each other.
 // Hoeffding's bound (29) takes M, as without unoccluded form factors. The empirical Bernstein bound (30) of blocks
 // takes the sample variance of X = V - b T. Each pair has (32) where it is no more than (30) could be with a sample
 // variance of 0, else (29) and (30). This choice is made before the run. For environment and leak T is all lines of the
-// row, and eq. (31) does not help. So each row has (29) and (30) twice, 2 n bounds beside the n (n - 1) / 2 of
-// pairs. Rows and pairs get half of delta each. Every bound includes the error of F0, kUnoccludedRelativeError or
+// row, and eq. (31) does not help. So each row has (29) and (30) twice, 2 n bounds beside the n (n - 1) / 2 of pairs.
+// Rows and pairs get half of delta each. Every bound includes the error of F0, kUnoccludedRelativeError or
 // kUnoccludedAbsoluteError.
 #pragma once
 #include <vector>

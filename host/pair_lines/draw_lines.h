@@ -9,8 +9,8 @@
 //            by points vary without bound, and weights of lines by angles vary little. Start points are denser where
 //            the other patch looks larger;
 //   contact  from a point of one patch to the same point of the other; for patches of one plane, face to face.
-// In all three ways the visibility of the pair is the weight of the lines that nothing blocks, as a share of the weight
-// of all lines (docs/method.md, section 13).
+// In all three ways the visibility of the pair is the weight of the lines that nothing blocks over the weight of all
+// lines (docs/method.md, section 13).
 //
 // Points are Sobol' points of four dimensions (S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional
 // projections, SIAM J. Sci. Comput. 30, 2008), scrambled for each replicate apart (A. Owen, Randomly permuted

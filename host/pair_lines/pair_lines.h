@@ -38,7 +38,7 @@ struct PairLinesFigures {
 // PairNumbers hold numbers of pairs of patches, of which at least one emits and the other receives.
 struct PairNumbers {
   double facing = 0;  // with an unoccluded form factor above 0
-  double found = 0;   // of these, the pairs that PairLines::find() would find: not proved to be hidden
+  double found = 0;   // the part of `facing` that PairLines::find() would find: not proved to be hidden
 };
 
 // A UniformTask asks for independent lines of one part of a pair.

@@ -153,14 +153,14 @@ void PairLines::drawUniformOnRanks(std::span<UniformTask> tasks) const {
   std::vector<double> costs;
   for (const UniformTask& task : tasks)
     costs.push_back((double(task.lines) + 1) * (1 + parts_.pairs[task.part].blocker_count));
-  drawOnRanks(*crew_, RankWork::draw_uniform, tasks, costs, [&](auto own) { drawUniformHere(own); });
+  drawOnRanks(*crew_, RankWork::draw_uniform, tasks, costs, [&](auto part) { drawUniformHere(part); });
 }
 
 void PairLines::drawStrataOnRanks(std::span<StrataTask> tasks) const {
   std::vector<double> costs;
   for (const StrataTask& task : tasks)
     costs.push_back((double(task.cells) + 1) * (1 + parts_.pairs[task.part].blocker_count));
-  drawOnRanks(*crew_, RankWork::draw_strata, tasks, costs, [&](auto own) { drawStrataHere(own); });
+  drawOnRanks(*crew_, RankWork::draw_strata, tasks, costs, [&](auto part) { drawStrataHere(part); });
 }
 
 LineServer::LineServer(const Scene& scene, size_t threads, std::function<void()> stop,

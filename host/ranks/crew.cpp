@@ -41,10 +41,10 @@ void Crew::tell(const std::string& message) {
   for (uint32_t rank = 1; rank < size(); ++rank) ranks_.send(rank, message);
 }
 
-void Crew::tellToStop() { tell(MessageWriter().put(RankWork::stop).take()); }
+void Crew::stopAll() { tell(MessageWriter().put(RankWork::stop).take()); }
 
 std::vector<std::string> Crew::share(const std::function<std::string(uint32_t)>& question,
-                                     const std::function<void()>& own) {
+                                     const std::function<void()>& work_here) {
   if (is_lost_) throw Interrupted{};
   for (uint32_t rank = 1; rank < size(); ++rank) ranks_.send(rank, question(rank));
   std::exception_ptr failure;
@@ -55,11 +55,11 @@ std::vector<std::string> Crew::share(const std::function<std::string(uint32_t)>&
       work();
     } catch (...) {
       failure = std::current_exception();
-      tellToStop();
+      stopAll();
       stopped = Clock::now();
     }
   };
-  attempt(own);
+  attempt(work_here);
   std::vector<std::string> answers(size() - 1);
   Pause pause;
   for (uint32_t waiting = size() - 1; waiting > 0;) {

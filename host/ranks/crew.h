@@ -48,11 +48,11 @@ class Crew {
   uint64_t newNumber() { return next_number_++; }
 
   // Has all ranks work at the same time.
-  //   In: question: what rank r > 0 is asked; own: the part of rank 0
+  //   In: question: what rank r > 0 is asked; work_here: does the part of rank 0
   //   Out: answers of ranks 1, 2, ..., without their first byte
-  //   Throws: what `own` or `stop` throws; errors of other ranks, with their number.
+  //   Throws: what `work_here` or `stop` throws; errors of other ranks, with their number.
   std::vector<std::string> share(const std::function<std::string(uint32_t rank)>& question,
-                                 const std::function<void()>& own);
+                                 const std::function<void()>& work_here);
   // Sends the same words, which have no answer, to all other ranks.
   void tell(const std::string& message);
 
@@ -62,7 +62,7 @@ class Crew {
   std::vector<size_t> cut(std::span<const double> costs, bool by_threads = true) const;
 
  private:
-  void tellToStop();
+  void stopAll();
 
   Ranks& ranks_;
   std::function<void()> stop_;

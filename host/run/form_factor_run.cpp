@@ -18,7 +18,7 @@ namespace viewpeel {
 namespace {
 
 // Returns the largest error that a request allows a form factor; 1 where it names none.
-double errorAsked(const Request& request) {
+double requestedError(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
   if (const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal)) return guarantee->epsilon;
   return 1;
@@ -111,7 +111,7 @@ Result FormFactorRun::result() {
   Result result = state_->resultOf(estimate());
   result.division = division();
   if (!result.interrupted)
-    result.warnings = warnOfLeaks(state_->setup.scene(), result.form_factors, errorAsked(request()));
+    result.warnings = warnOfLeaks(state_->setup.scene(), result.form_factors, requestedError(request()));
   if (state_->is_promise_broken)
     result.warnings.push_back(fmt::format(
         "the promise of the plan could not be kept: {}; the form factors are estimates with standard errors",

@@ -49,7 +49,7 @@ Plan FormFactorRun::State::makeFixedPlan() const {
   return fixed;
 }
 
-// Makes the plan. It does without unoccluded form factors where these would make counts too large, unless the request
+// Makes the plan. It does without unoccluded form factors where they would make counts too large, unless the request
 // asks for them.
 Plan FormFactorRun::State::makePlanOfRequest() {
   if (setup.isExact() || !setup.plans()) return makeFixedPlan();
@@ -93,8 +93,8 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
 // counts are hardly ever cut off at epsilon.
 uint32_t FormFactorRun::State::commonDirections() const {
   if (!(setup.leastFormFactor() > 0)) return kLineRunDirections;
-  constexpr double kMet = 5, kMostDirections = 512;
-  const double all = 2 * kMet / setup.guarantee()->epsilon;
+  constexpr double kMeetings = 5, kMostDirections = 512;
+  const double all = 2 * kMeetings / setup.guarantee()->epsilon;
   return static_cast<uint32_t>(
       std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
 }

@@ -62,7 +62,7 @@ class Serving {
         scene_(scene),
         request_(request),
         lines_(
-            scene, request.threads, [this] { stopIfTold(); }, [this] { return device(); }) {}
+            scene, request.threads, [this] { stopOnRequest(); }, [this] { return device(); }) {}
 
   std::string answer(RankWork work, MessageReader& in) {
     is_stopped_ = false;
@@ -89,7 +89,7 @@ class Serving {
   };
 
   // While a question is being answered rank 0 sends nothing but the word to stop.
-  void stopIfTold() {
+  void stopOnRequest() {
     if (std::this_thread::get_id() == thread_ && ranks_.poll(0)) is_stopped_ = true;
     if (is_stopped_) throw Interrupted{};
   }
@@ -109,8 +109,8 @@ class Serving {
     const auto kind = in.get<EngineKind>();
     LatticeOptions options = getLattice(in);
     options.thread_count = request_.threads;
-    options.stop = [this] { stopIfTold(); };
-    options.on_batch = [this](uint64_t) { stopIfTold(); };
+    options.stop = [this] { stopOnRequest(); };
+    options.on_batch = [this](uint64_t) { stopOnRequest(); };
     Open open{std::make_unique<const Ids>(getIds(in)), nullptr};
     const bool needs_device = kind == EngineKind::compute || kind == EngineKind::graphics;
     const EngineFactory make =

@@ -242,10 +242,10 @@ EnergyPlusBuilding fromEpJson(const std::filesystem::path& file) {
     const bool is_wall = small == "buildingsurface:detailed" || small == "wall:detailed" ||
                          small == "roofceiling:detailed" || small == "floor:detailed";
     const std::optional<EnergyPlusShading::Of> shading = shadingOf(small);
-    const bool is_known = is_wall || shading || small == "globalgeometryrules" || small == "zone" ||
-                          small == "fenestrationsurface:detailed" || small == "internalmass" || small == "version" ||
-                          small == "building" || isSimple(small) || isSimpleShading(small);
-    if (!is_known) continue;
+    const bool is_used = is_wall || shading || small == "globalgeometryrules" || small == "zone" ||
+                         small == "fenestrationsurface:detailed" || small == "internalmass" || small == "version" ||
+                         small == "building" || isSimple(small) || isSimpleShading(small);
+    if (!is_used) continue;
     if (!classes.value().is_object()) place.refuse(fmt::format("{} is no object; correct it", printable(type)));
     for (const auto& member : classes.value().items()) {
       const JsonObject object(building.file, type, member.key(), member.value());

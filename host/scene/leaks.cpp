@@ -15,15 +15,15 @@ namespace {
 
 constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // most rays; fewer where this many have ended on backs
 constexpr uint64_t kQuickRays = 512;
-// Rays around a point: if all end on backs, the point is hidden. A point of which a tenth of the rays ends elsewhere is
-// taken for hidden in 3 % of cases, 0.9^32.
+// This many rays around a point end on backs if the point is hidden. A point of which a tenth of the rays ends
+// elsewhere is taken for hidden in 3 % of cases, 0.9^32.
 constexpr uint32_t kAround = 32;
 constexpr size_t kMostNamed = 5;
 
 // A Tally sums the areas for which the starting points of rays stand, in Scene's unit.
 struct Tally {
   double leaking = 0;  // of all rays that end on backs
-  double hidden = 0;   // of these, where the point is hidden
+  double hidden = 0;   // the part of `leaking` whose points are hidden
 };
 
 class LeakFinder {

@@ -298,8 +298,8 @@ class GltfReader {
   }
 
   const std::string& buffer(uint64_t index) {
-    const auto known = buffers_.find(index);
-    if (known != buffers_.end()) return known->second;
+    const auto found = buffers_.find(index);
+    if (found != buffers_.end()) return found->second;
     const Json& object = element("buffers", index);
     const auto uri = object.find("uri");
     if (uri == object.end() || !uri->is_string()) {

@@ -1,8 +1,8 @@
 // This file computes Gebhart's factors and script-F by the symmetric form of irradiation.h.
 //
 // Let e, r = 1 - e and A be the diagonal matrices of emissivities, reflectivities and areas, and X the closed exchange
-// areas. With S = A - r^(1/2) X r^(1/2) = L L^T and Y = L^-1 r^(1/2) X e, the conductors are R = e X e + Y^T Y. So R is
-// symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
+// areas. Factors S = A - r^(1/2) X r^(1/2) = L L^T give Y = L^-1 r^(1/2) X e. Then the conductors are R = e X e + Y^T
+// Y, so R is symmetric to the last bit. Derivation: docs/solve.md, eq. (9).
 #include <viewpeel/solve.h>
 
 #include <algorithm>

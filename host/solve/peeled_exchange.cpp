@@ -111,8 +111,8 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   closed_.largest_lack = 0;
   for (Eigen::Index i = 0; i < n; ++i) {
     // A line between two polygons of one row leaves the row at both of its ends, so that it counts twice.
-    const double own = 2 * outside[static_cast<size_t>(i)].own * of_count / kProductReplicateCount;
-    const double lack = 1 - (given_[i] + own) / closed_.areas[i];
+    const double within = 2 * outside[static_cast<size_t>(i)].within * of_count / kProductReplicateCount;
+    const double lack = 1 - (given_[i] + within) / closed_.areas[i];
     if (std::abs(lack) > std::abs(closed_.largest_lack))
       closed_.largest_lack = lack, closed_.lacking_row = static_cast<uint32_t>(i);
   }

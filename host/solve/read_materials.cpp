@@ -119,15 +119,15 @@ class Laws {
   //   In: text: `cosine:POWER`, or the name of a table, beside the materials    Throws: Error bad_input.
   std::optional<uint32_t> find(const std::string& text, const FilePlace& place) {
     if (text.empty()) return {};
-    const auto [known, is_new] = index_of_.try_emplace(text, static_cast<uint32_t>(laws.size()));
-    if (!is_new) return known->second;
+    const auto [law, is_new] = index_of_.try_emplace(text, static_cast<uint32_t>(laws.size()));
+    if (!is_new) return law->second;
     if (text.starts_with(kCosine)) {
       laws.push_back({.cosine_power = parseFinite(std::string_view(text).substr(kCosine.size()), place)});
       if (const std::string fault = findFault(laws.back()); !fault.empty()) place.refuse(fault);
     } else {
       laws.push_back(readDirectionalLaw((std::filesystem::path(place.file).parent_path() / text).string()));
     }
-    return known->second;
+    return law->second;
   }
 
   std::vector<DirectionalLaw> laws;

@@ -27,7 +27,7 @@ struct EnvironmentRequest {
   std::optional<double> most_rays;
   // Form factors to the whole environment, one for each row, where they are known; else empty. The tolerance then holds
   // for them times the standard error of up_share.
-  std::vector<double> known;
+  std::vector<double> whole_environment;
 };
 
 // EnvironmentParts have the form factors from each row to the parts of the environment above and below the horizon.

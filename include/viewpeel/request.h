@@ -95,7 +95,7 @@ struct Request {
 
   std::optional<Sampling> sampling;  // unset: the quicker one
   // The sampler draws directions over the sphere. Unset: fibonacci, or jittered for a guarantee. A question about one
-  // pair or a few rows has directions drawn for these.
+  // pair or a few rows has directions of its own.
   std::optional<Sampler> sampler;
   // Only the visibility of each pair is sampled, and multiplied by its unoccluded form factor. Unset: the run decides,
   // by the predicted time.

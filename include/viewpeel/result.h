@@ -44,8 +44,8 @@ struct Estimate {
   // largest_standard_error includes their standard errors.
   uint64_t unseen_pairs = 0;
   double largest_unseen_error = 0;
-  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and the number of these
-  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them, and the number of these
+  uint64_t directed_pairs = 0, directed_directions = 0;  // pairs with directions of their own, and these directions
+  uint64_t line_pairs = 0, lines = 0;                    // pairs with lines between them, and these lines
   // With 95 % confidence this bounds each form factor, from the smaller id, of pairs that no line hit. It is infinite
   // where unoccluded form factors leave no such pair.
   double unmet_bound = INFINITY;
@@ -125,7 +125,7 @@ struct PlanSummary {
   double standard_error = 0;  // largest over all form factors, or of its form factor for a relative goal; predicted
   double pilot_seconds = 0;   // spent on pilots; 0 without a plan
   double plan_seconds = 0;    // spent on the whole plan; with pair lines it includes finding the pairs
-  // The prediction for a goal that the request's number of replicates misses.
+  // Where the request's number of replicates misses the goal, this predicts what the goal takes.
   std::optional<GoalCost> goal_beyond_request;
   // These rows are so small that even the finest lattice may miss them.
   std::vector<std::string> barely_covered;

@@ -20,7 +20,7 @@ struct Material {
   double emissivity = 1;              // in (0, 1]; absorptivity is the same
   std::optional<double> temperature;  // K, at least 0
   std::optional<double> heat_flux;    // W/m2 by which the row emits more than it absorbs; 0: adiabatic
-  // Emissivities by band of wavelengths, each in (0, 1], used instead of `emissivity`. Empty for grey rows.
+  // Emissivities by band of wavelengths replace `emissivity`; each is in (0, 1]. Grey rows have none.
   std::vector<double> band_emissivities{};
   std::optional<uint32_t> directional{};  // index of the law by which emissivity depends on the angle; unset: diffuse
 };
@@ -140,15 +140,14 @@ struct HeatSolution {
 //     see each other; enclosure: with a material for each row, and with environment_parts where sky and ground have
 //     temperatures. Errors of these parts are propagated to the answers, too.
 //   Out: see HeatSolution; bounds where form factors have intervals, eq. (10). They hold for scenes without leak.
-//   Error: of the equations 1e-11 of the largest |B - s T_0^4| for emissivities from 1e-3 on, where T_0 is the
-//     temperature of the environment or the first given one. Standard errors are of first order, for independent pairs;
-//     above 1,000 rows they are themselves estimates with a relative standard error of 1/16. Tests:
-//     tests/unit/solve_heat_test.cpp, solve_errors_test.cpp, solve_bounds_test.cpp.
-//   Throws: Error bad_usage for form factors of some rows only, for materials that do not match them, for directional
-//     materials, which solveMatrixFree takes, or for intervals
-//     together with sky and ground or with bands; bad_input where radiation ends on backs, leaves a scene without an
-//     environment, rows exchange with no given temperature, or a heat flux would need a temperature below 0; limit
-//     where conjugate gradients do not converge.
+//   Error: of the equations 1e-11 of the largest |B - s T_0^4| for emissivities from 1e-3 on. T_0 is the temperature of
+//     the environment, or the first given one. Standard errors are of first order, for independent pairs; above 1,000
+//     rows they are themselves estimates with a relative standard error of 1/16. Tests: tests/unit/solve_heat_test.cpp,
+//     solve_errors_test.cpp, solve_bounds_test.cpp.
+//   Throws: Error bad_usage for form factors of some rows only, and for materials that do not match them. The same for
+//     directional materials, which solveMatrixFree takes, and for intervals together with sky and ground or with bands.
+//     Error bad_input where radiation ends on backs, leaves a scene without an environment, rows exchange with no given
+//     temperature, or a heat flux would need a temperature below 0; limit where conjugate gradients do not converge.
 //   Cost: some dozens of products with the sparse matrix. Standard errors take O(rows^3 + rows x pairs) up to 1,000
 //     rows, above it 128 such solutions. Memory: 32 bytes a pair, and 8 rows^2 up to 1,000 rows.
 //   Source: A. K. Oppenheim, Radiation analysis by the network method, Trans. ASME 78, 1956, 725-735.
@@ -180,7 +179,7 @@ struct SceneHeat {
 // Computes the form factors of a scene and solves the enclosure. If sky and ground have temperatures, it also measures
 // form factors to both, to the same tolerance.
 //   With a tolerance it computes form factors to 0.02, and again with smaller tolerances until the answers are as exact
-//     as requested. Answers average over many form factors, so these may have larger errors.
+//     as requested. Answers average over many form factors, which therefore may have larger errors.
 //   In: request: its goal is used without a tolerance; its time limit is for all runs
 //     together
 //   Out: see SceneHeat

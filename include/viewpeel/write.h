@@ -59,8 +59,8 @@ struct OutputContent {
   // Entries of these pairs (i, j), i < j, ascending, are guesses, and files mark them. May be nullptr.
   const std::vector<std::pair<uint32_t, uint32_t>>* guesses = nullptr;
   const DroppedSums* dropped = nullptr;  // what dropBelow() left out of the form factors
-  // Sky and ground apart: .csv gets the entries `environment:up` and `environment:down`, .rows.csv, .h5, .json and .vtp
-  // columns. May be nullptr.
+  // Where sky and ground are apart, .csv gets the entries `environment:up` and `environment:down`, .rows.csv, .h5,
+  // .json and .vtp columns. May be nullptr.
   const EnvironmentParts* parts = nullptr;
   // The form factors come from environmentAlone(): files have no matrix, leak nor row sums. Formats are .csv,
   // .rows.csv, .h5, .json and .vtp.

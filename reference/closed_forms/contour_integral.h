@@ -23,8 +23,8 @@ constexpr double kFarDistance = 4;           // distance of the mean corners ove
 //     are compared, and their difference estimates the error of the worse one. The corners are taken as exact: the
 //     effect of their rounding on F comes on top. Tests: tests/unit/contour_integral_test.cpp.
 //   Throws: Error bad_input (a polygon is degenerate, not convex or not planar); Error limit where the estimated error
-//     is above these bounds, as for a square of 1e-7 times the size of the scene, or a sliver 1e-8 wide (move it, or
-//     split the other polygon).
+//     is above these bounds (move the polygon, or split the other one). A square of 1e-7 times the size of
+//     the scene is such a case, or a sliver 1e-8 wide.
 //   Cost: O(corners_a corners_b) outer integrals, with 26 logarithms for each interval. A nearly singular integral
 //     takes about 40 intervals.
 //   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,

@@ -20,8 +20,8 @@ struct Cut {
 // A Span is the part of an edge that an outline covers, within [0, 1].
 struct Span {
   uint32_t outline = 0;
-  // The side is 0 where the line passes through the inside of the outline, 1 or -1 where it runs along an edge with the
-  // inside to its left or right.
+  // The side is 0 where the line passes through the inside of the outline. It is 1 or -1 where the line runs along an
+  // edge with the inside to its left or right.
   int side = 0;
   Cut enter, leave;
 };

@@ -81,7 +81,7 @@ struct ExactOptions {
 //   Error: PairArea::error, of the order of 1e-15 times the number of edge pieces that bound the pair's regions; 2 ulp
 //     with Arithmetic::exact. tests/unit/exact_test.cpp.
 //   Throws: Error bad_input where polygons interpenetrate, naming both and the place; Error bad_usage for a useless u.
-//   Cost: O(n + k d) expected work, with blocked pairs O(n + k d log d), for n edges, k cuts
+//   Cost: expected work O(n + k d), with blocked pairs O(n + k d log d). There are n edges, k cuts
 //     (ExactPairAreas::cut_count) and depth complexity d, up to sorting along each edge. O(n + overlapping pairs)
 //     memory. Arithmetic::exact: quadratic in the pieces around a polygon.
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, section 5.

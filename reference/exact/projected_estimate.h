@@ -45,8 +45,9 @@ struct ProjectedEstimate {
 //   In: convex planar polygons of 3 or more corners, counter-clockwise seen from the front, any unit; direction_count
 //     of 2 or more.
 //   Out: the mean, and its standard error.
-//   Error: unbiased; the standard deviation of one term is at most sqrt(v(F)) <= 0.798, v(F) = 4/3 (1 - (1-F)^(3/2)) -
-//     F^2, so the standard error's expectation is at most 0.798 / sqrt(N). tests/unit/projected_estimate_test.cpp.
+//   Error: unbiased; the standard deviation of one term is at most sqrt(v(F)) with v(F) = 4/3 (1 - (1-F)^(3/2)) - F^2.
+//     This deviation is at most 0.798, so the standard error's expectation is at most 0.798 / sqrt(N).
+//     tests/unit/projected_estimate_test.cpp.
 //   Throws: Error bad_input (a degenerate polygon, fewer than 2 directions).
 //   Cost: O(N corners_a corners_b).
 //   Source: M. Pellegrini, Monte Carlo approximation of form factors with error bounded a priori, Discrete &

@@ -1,8 +1,8 @@
 #version 460
-// One invocation integrates ln r over one pair of edges p and q, with r the distance of a point of p from a point of q
-// (docs/method.md, eq. 38). The inner integral, over the longer edge q, has a closed form; the outer one takes a Gauss
-// rule. Where the edges are close (kIsGraded), p is cut at the points where the inner integral is singular, and the
-// rule is graded towards both ends of each piece.
+// One invocation integrates ln r over one pair of edges p and q (docs/method.md, eq. 38). Here r is the distance of a
+// point of p from a point of q. The inner integral, over the longer edge q, has a closed form; the outer one takes a
+// Gauss rule. Where the edges are close (kIsGraded), p is cut at the points where the inner integral is singular, and
+// the rule is graded towards both ends of each piece.
 //   In: edges; list: pairs of edges; points     Out: values: value, and error, to which rounding is added
 //   Source: E. M. Sparrow, A new and simpler formulation for radiative angle factors, J. Heat Transfer 85(2), 1963,
 //     81-87.

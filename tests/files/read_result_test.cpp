@@ -84,9 +84,9 @@ TEST_F(ReadResult, BringsBackWhatWasWritten) {
 TEST_F(ReadResult, BringsBackTheRowsOfAQuestion) {
   Ids ids = form_factors_.ids();
   ids.requested = {false, true, false, true};
-  const FormFactors asked(ids, form_factors_.entries(), form_factors_.rowSums());
-  writeFormFactors(asked, folder_ / "asked.h5");
-  expectSame(readResult(folder_ / "asked.h5").form_factors, asked);
+  const FormFactors some(ids, form_factors_.entries(), form_factors_.rowSums());
+  writeFormFactors(some, folder_ / "some.h5");
+  expectSame(readResult(folder_ / "some.h5").form_factors, some);
 }
 
 // The bound on pairs without an entry is stored as well.

@@ -123,7 +123,7 @@ assert entries['road', 'environment:up'][0] == entries['road', 'environment'][0]
     return numbers;
   };
   // Both runs have a tolerance of 1e-2 for each row's environment. A share of all radiation is a mean over 20 rows, in
-  // which errors cancel in part, so that the shares of two runs differ by less than one per cent.
+  // which errors cancel in part. So the shares of two runs differ by less than one per cent.
   EXPECT_NEAR(numbersOf(up).first, numbersOf(down).second, 1);
   EXPECT_NEAR(numbersOf(up).second, numbersOf(down).first, 1);
   EXPECT_GT(numbersOf(up).first, 2 * numbersOf(up).second);

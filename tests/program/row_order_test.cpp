@@ -22,8 +22,8 @@ class RowOrder : public Program {
   }
 };
 
-// A part of a pyramid around a tetrahedron. No two of the ten faces have the same area, surfaces take turns in the
-// file, and the tetrahedron blocks some pairs in part.
+// The scene is a part of a pyramid around a tetrahedron. No two of the ten faces have the same area, surfaces take
+// turns in the file, and the tetrahedron blocks some pairs in part.
 constexpr const char* kMakeScene = R"(
 import numpy as np
 low = np.array([(0, 0, 0), (3, 0, 0), (3, 2, 0), (0, 2, 0)], float)

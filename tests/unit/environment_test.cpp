@@ -153,7 +153,7 @@ InputScene smallPlatesOverAFloor(uint32_t plates) {
 
 // Common directions hardly meet the plates, which get rays of their own. A plate sees the sky by (1 + cos t) / 2, and
 // what of the floor's surroundings lies below the horizon: 0.5 high in the middle of a floor 50 wide to each side, it
-// is at most atan(0.5 / 40) / 2 = 0.0062 of it. That is the most that `down` may have. Errors of eight replicates
+// is at most atan(0.5 / 40) / 2 = 0.0062 of it. So much `down` may have at most. Errors of eight replicates
 // follow Student's t of 7 degrees of freedom, or less spread where they were made larger: the mean of z^2 over 64
 // plates is below 7/5 + 4 sqrt(2 (7/5)^2 5 / 64) = 3.6.
 TEST(Environment, RowsThatDirectionsHardlyMeetHaveRays) {
@@ -193,9 +193,9 @@ TEST(Environment, RaysAreForWhatIsOpen) {
   const EnvironmentParts few = measureEnvironment(scene, {.tolerance = 3e-3, .most_rays = 100});
   EXPECT_FALSE(few.is_reached);
   EXPECT_EQ(few.rays, 0u);
-  EnvironmentRequest request{.tolerance = 3e-3, .known = std::vector<double>(9, 0.0)};
+  EnvironmentRequest request{.tolerance = 3e-3, .whole_environment = std::vector<double>(9, 0.0)};
   EXPECT_EQ(measureEnvironment(scene, request).rays, 0u);  // nothing is left to divide
-  request.known.assign(9, 0.01);
+  request.whole_environment.assign(9, 0.01);
   const EnvironmentParts divided = measureEnvironment(scene, request);
   EXPECT_TRUE(divided.is_reached);
   for (uint32_t row = 0; row < 9; ++row) EXPECT_LE(0.01 * divided.up_share[row].standard_error, 3e-3) << row;

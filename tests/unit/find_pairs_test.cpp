@@ -191,7 +191,8 @@ bool areAlike(const PatchPairs& x, const PatchPairs& y) {
 }
 
 // Single pairs are decided against all blockers, clusters against the few that are left. The sample of estimatePairs()
-// has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five of these are allowed.
+// has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five standard
+// errors are allowed.
 TEST(PairFinder, SinglePairsAreCounted) {
   for (const InputScene& input : {bench::roomWithBoxes(1), bench::triangulatedCity(1000).scene, bench::city(1000)}) {
     SCOPED_TRACE(input.file);

@@ -30,8 +30,8 @@ double varianceOfCap(double share, bool is_slope, uint32_t count) {
 
 // While few directions meet a cap, variances fall as 1 / N for both functions; later as N^-1.5 for the jump, and as
 // N^-3 for the slope. The formula is between the two. Where m = 1.28 directions meet the cap in the mean, a lattice has
-// either one or two of them there, and so a variance of 0.2 in place of m / (1 + m): 2.8 times less. The rarest cap is
-// met in 48 of 1,500 replicates, which gives its variance to 25 %.
+// either one or two of them there. Its variance is 0.2 in place of m / (1 + m), 2.8 times less. The rarest cap is met
+// in 48 of 1,500 replicates, which gives its variance to 25 %.
 TEST(VarianceLeft, IsBetweenAJumpAndASlope) {
   constexpr double kWithin = 3;
   for (const double share : {0.002, 0.02, 0.2}) {

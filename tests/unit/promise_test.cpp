@@ -295,10 +295,10 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   const Scene scene = street();
   Request request = toleranceOf(1e-2);
   bool is_planned = false;
-  int asked = 0;
+  int calls = 0;
   Observer observer;
   observer.should_stop = [&] {
-    if (is_planned && asked++ == 0) throw Error(ErrorCode::limit, "rounding leaves planted lines open");
+    if (is_planned && calls++ == 0) throw Error(ErrorCode::limit, "rounding leaves planted lines open");
     return false;
   };
   FormFactorRun run(scene, request, observer);
@@ -306,7 +306,7 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   is_planned = true;
   while (!run.isDone()) run.step();
   const Result result = run.result();
-  EXPECT_GT(asked, 1);
+  EXPECT_GT(calls, 1);
   EXPECT_FALSE(result.guarantee);
   EXPECT_FALSE(result.form_factors.hasIntervals());
   EXPECT_TRUE(result.goal_reached);
@@ -318,7 +318,7 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   for (size_t k = 0; k < expected.entries().size(); ++k)
     EXPECT_EQ(result.form_factors.entries()[k].exchange_area.value, expected.entries()[k].exchange_area.value);
   request.promise = true;
-  is_planned = false, asked = 0;
+  is_planned = false, calls = 0;
   FormFactorRun insisting(scene, request, observer);
   insisting.makePlan();
   is_planned = true;

@@ -91,8 +91,8 @@ Model modelOf(const Geometry& geometry, const std::vector<RelativeEmissivity>& l
 // reflection. The environment is black.
 std::array<double, 2> heatFluxes(const Geometry& geometry, const Model& model, int points) {
   const auto rule = gaussPoints(points);
-  // weighted[f][g] is the exchange area between the plates, each pair of points weighted by the first plate's
-  // emissivity where f is 1, and by the second plate's emissivity where g is 1.
+  // weighted[f][g] is the exchange area between the plates. Pairs of points are weighted by the first plate's
+  // emissivity where f is 1, and by the second plate's where g is 1.
   double weighted[2][2] = {};
   const auto& [a, b] = geometry.plates;
   std::vector<std::pair<double, double>> places;

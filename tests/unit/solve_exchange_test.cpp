@@ -89,8 +89,8 @@ TEST(ExchangeFactors, GiveTheFlowsOfSolveHeat) {
 }
 
 // The inner row sees the outer row alone; the outer row sees itself, too. Of the inner row's emission A_1 e_1 the outer
-// row absorbs the share e_2 / (1 - (1 - e_2) F_22 - (1 - e_1) (1 - e_2) F_21), counting all reflections. With F_12 = 1
-// the product is the textbook's A_1 / (1 / e_1 + A_1 / A_2 (1 / e_2 - 1)), which betweenTwo() has.
+// row absorbs a share, counting all reflections. It is e_2 / (1 - (1 - e_2) F_22 - (1 - e_1) (1 - e_2) F_21). With F_12
+// = 1 the product is the textbook's A_1 / (1 / e_1 + A_1 / A_2 (1 / e_2 - 1)), which betweenTwo() has.
 TEST(ExchangeFactors, OfTwoSurfaces) {
   const FormFactors f = te::formFactors({1, 2.5}, {{0, 1, {1, 0}}, {1, 1, {1.5, 0}}});
   for (const double inner : {1.0, 0.3, 1e-3})

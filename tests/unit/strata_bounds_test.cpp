@@ -76,8 +76,8 @@ double failureOfCoins(int n, double l, double share) {
 }
 
 // Cells of coins have an exact law, so that this tail is not drawn but added up. A bound a tenth too small fails more
-// often than 2 e^-l, at an l of guarantees. Runs could not show it. At an l that fails in a few of 1,000 runs, the
-// factor 1 / (z sqrt(2 pi)) of the normal law alone makes bounds too wide by more than a tenth.
+// often than 2 e^-l, at an l of guarantees. Runs could not show it. Where a few of 1,000 runs fail, bounds are too wide
+// by more than a tenth, for the factor 1 / (z sqrt(2 pi)) of the normal law alone.
 TEST(StrataBounds, OfCoinsATenthTooSmallFail) {
   constexpr int kCells = 400'000;
   constexpr double kL = 25;

@@ -27,8 +27,8 @@ struct Case {
   uint64_t seed;
 };
 
-// Returns the edges that do not have exactly one opposite edge. In a city without a hole these are the edges of the
-// rim.
+// Returns the edges that do not have exactly one opposite edge. In a city without a hole they are the edges of
+// the rim.
 using Edge = std::array<double, 6>;
 std::vector<Edge> findOpenEdges(const InputScene& scene) {
   const auto edgeOf = [](glm::dvec3 a, glm::dvec3 b) { return Edge{a.x, a.y, a.z, b.x, b.y, b.z}; };
