@@ -14,6 +14,7 @@
 #include "program/result_json.h"
 #include "program/summary.h"
 #include "program/warnings.h"
+#include "run/rules.h"
 #include "stopwatch.h"
 #include <viewpeel/error.h>
 
@@ -87,7 +88,9 @@ std::string describeWork(const EnvironmentParts& parts) {
 Measurement measure(const ComputeOptions& options, const Scene& scene, EnvironmentRequest request,
                     const Observer& observer) {
   const auto polygons = double(scene.polygons.size());
-  if (std::holds_alternative<Tolerance>(options.request.goal)) request.most_rays = kRaysOfPairs * polygons * polygons;
+  // Beyond kMostPairLineFaces a plan by pairs may take long, and then be one by directions.
+  if (std::holds_alternative<Tolerance>(options.request.goal) && scene.faces.size() <= kMostPairLineFaces)
+    request.most_rays = kRaysOfPairs * polygons * polygons;
   EnvironmentParts parts = measureEnvironment(scene, request, observer);
   if (parts.is_reached || !request.most_rays) return {parts, describeWork(parts)};
   request.most_rays.reset();
