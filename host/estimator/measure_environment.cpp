@@ -268,26 +268,25 @@ class Measurement {
   // of their variances over that of their binomial variances.
   void boundErrorsOfRays(EnvironmentParts& parts) const {
     double variance = 0, binomial = 0;
-    const auto binomialOf = [&](uint32_t row, double share) {
-      return std::max(0.0, share * (1 - share)) / (double(parts.replicates) * rays_of_row_[row]);
-    };
+    const auto binomialOf = [](double share, double rays) { return std::max(0.0, share * (1 - share)) / rays; };
+    const auto raysOf = [&](uint32_t row) { return double(parts.replicates) * rays_of_row_[row]; };
     for (uint32_t row = 0; row < ids_.count(); ++row) {
       if (rays_of_row_[row] == 0) continue;
       ++parts.rows_with_rays;
       parts.rays += parts.replicates * rays_of_row_[row];
       variance += std::pow(parts.all[row].standard_error, 2);
-      binomial += binomialOf(row, parts.all[row].value);
+      binomial += binomialOf(parts.all[row].value, raysOf(row));
     }
     const double efficiency = binomial > 0 ? std::min(variance / binomial, 1.0) : 1;
     for (uint32_t row = 0; row < ids_.count(); ++row) {
       if (rays_of_row_[row] == 0) continue;
-      const double all_rays = double(parts.replicates) * rays_of_row_[row], all = parts.all[row].value;
-      const auto leastError = [&](double share, double rays) {
-        return std::sqrt(efficiency * std::max(0.0, share * (1 - share)) / rays);
+      const double rays = raysOf(row), all = parts.all[row].value;
+      const auto leastError = [&](double share, double of_rays) {
+        return std::sqrt(efficiency * binomialOf(share, of_rays));
       };
       for (Measured* part : {&parts.up[row], &parts.down[row], &parts.all[row]})
-        part->standard_error = std::max(part->standard_error, leastError(part->value, all_rays));
-      if (all > 0) raiseShareError(parts, row, leastError(parts.up_share[row].value, all_rays * all));
+        part->standard_error = std::max(part->standard_error, leastError(part->value, rays));
+      if (all > 0) raiseShareError(parts, row, leastError(parts.up_share[row].value, rays * all));
     }
   }
 

@@ -151,11 +151,11 @@ InputScene smallPlatesOverAFloor(uint32_t plates) {
   return scene;
 }
 
-// Common directions hardly meet the plates, which get rays of their own. A plate sees the sky by (1 + cos t) / 2, and
-// what of the floor's surroundings lies below the horizon: 0.5 high in the middle of a floor 50 wide to each side, it
-// is at most atan(0.5 / 40) / 2 = 0.0062 of it. So much `down` may have at most. Errors of eight replicates
-// follow Student's t of 7 degrees of freedom, or less spread where they were made larger: the mean of z^2 over 64
-// plates is below 7/5 + 4 sqrt(2 (7/5)^2 5 / 64) = 3.6.
+// Common directions hardly meet the plates, which get rays of their own. A plate of tilt t sees the sky by
+// (1 + cos t) / 2. Past the rim of the floor it also sees a strip below the horizon. The plates are 0.5 above a floor
+// that goes on for 40 at least, so the strip is at most atan(0.5 / 40) / 2 = 0.0062. Errors of eight replicates follow
+// Student's t of 7 degrees of freedom, or have less spread where they were made larger: the mean of z^2 over 64 plates
+// is below 7/5 + 4 sqrt(2 (7/5)^2 5 / 64) = 3.6.
 TEST(Environment, RowsThatDirectionsHardlyMeetHaveRays) {
   constexpr uint32_t kPlates = 64;
   const Scene scene = buildScene(smallPlatesOverAFloor(kPlates));
