@@ -17,12 +17,9 @@ constexpr uint64_t kFirstReplicate = kEnvironmentReplicates.first + (uint64_t(1)
 }  // namespace
 
 EnvironmentRays::EnvironmentRays(const Scene& scene, const Ids& ids, const glm::dvec3& up, uint64_t seed)
-    : sight_(scene), up_(up), seed_(seed), two_sided_(ids.two_sided), polygons_(ids.count()), area_sums_(ids.count()) {
-  for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
-    std::vector<double>& sums = area_sums_[ids.of_polygon[k]];
-    sums.push_back((sums.empty() ? 0 : sums.back()) + scene.polygons[k].area);
-    polygons_[ids.of_polygon[k]].push_back(k);
-  }
+    : sight_(scene), up_(up), seed_(seed), two_sided_(ids.two_sided), polygons_(ids.count()) {
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) polygons_[ids.of_polygon[k]].push_back(k);
+  for (const std::vector<uint32_t>& of_row : polygons_) area_sums_.push_back(sumAreas(scene, of_row));
 }
 
 void EnvironmentRays::prepare(uint32_t rays) {

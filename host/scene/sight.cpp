@@ -84,6 +84,13 @@ Sight::End Sight::look(uint32_t polygon, const dvec3& point, const dvec3& direct
   return first ? End{first->polygon, first->is_front} : End{};
 }
 
+std::vector<double> sumAreas(const Scene& scene, const std::vector<uint32_t>& polygons) {
+  std::vector<double> sums;
+  for (const uint32_t polygon : polygons)
+    sums.push_back((sums.empty() ? 0 : sums.back()) + scene.polygons[polygon].area);
+  return sums;
+}
+
 uint32_t pickBySums(const std::vector<double>& sums, double at) {
   const auto found = std::upper_bound(sums.begin(), sums.end(), at);
   return static_cast<uint32_t>(std::min<ptrdiff_t>(found - sums.begin(), static_cast<ptrdiff_t>(sums.size()) - 1));

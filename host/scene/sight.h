@@ -46,6 +46,9 @@ class Sight {
   std::mt19937_64 random_{1};
 };
 
+// Returns the cumulative sums of the areas of some polygons, for pickBySums().
+std::vector<double> sumAreas(const Scene& scene, const std::vector<uint32_t>& polygons);
+
 // Returns the first entry whose cumulative sum is above `at`.
 //   In: sums: cumulative sums of weights, ascending; at: from 0 to the last sum
 uint32_t pickBySums(const std::vector<double>& sums, double at);

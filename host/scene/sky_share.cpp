@@ -32,9 +32,7 @@ std::vector<SkyShare> divideEnvironment(const Scene& scene, const std::vector<st
   Sight sight(scene);
   std::vector<SkyShare> shares;
   for (size_t k = 0; k < polygons.size(); ++k) {
-    std::vector<double> area_sums;
-    for (const uint32_t polygon : polygons[k])
-      area_sums.push_back((area_sums.empty() ? 0 : area_sums.back()) + scene.polygons[polygon].area);
+    const std::vector<double> area_sums = sumAreas(scene, polygons[k]);
     const double n_z = frontNormal(scene, scene.polygons[polygons[k].front()]).z;
     double sum = 0, squares = 0;
     for (uint32_t set = 0; set < kSets; ++set) {
