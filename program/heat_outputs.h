@@ -21,7 +21,8 @@ std::vector<std::string> heatFilesOf(const std::vector<std::string>& outputs, st
 //   In: has_scene: whether the outputs will have the scene    Throws: Error bad_usage.
 void checkHeatOutputs(const std::vector<std::string>& outputs, std::optional<ExchangeKind> exchange, bool has_scene);
 
-// Writes the answers in content.heat: alone in a .csv, with the form factors in .h5, .html and .vtp.
+// Writes the answers in content.heat: alone in a .csv, with the form factors, unless the heat is alone, in other
+// formats.
 void writeHeatOutputs(const OutputContent& content, By by, const std::vector<std::string>& outputs);
 
 }  // namespace viewpeel::program

@@ -336,7 +336,8 @@ void addSolve(CLI::App& app, Run& chosen, Job& job) {
   startGroup(command, kOutput);
   command
       ->add_option("-o,--output", options->outputs,
-                   "Write the answers: .csv; with the form factors: .h5, .vtp, or a page: .html")
+                   "Write the answers: .csv; with the form factors, if they are kept: .vtp; always with them: .h5, or "
+                   "a page: .html")
       ->type_name("FILE")
       ->allow_extra_args(false);
   CLI::Option* exchange =

@@ -13,18 +13,19 @@
 #include "program/summary.h"
 #include "program/warnings.h"
 #include <viewpeel/error.h>
+#include <viewpeel/ranks.h>
+#include <viewpeel/write.h>
 
 namespace viewpeel::program {
 namespace {
 
-// Returns the option or material that needs form factors in memory; empty where there is none.
-std::string findNeedOfMatrix(const SolveCommand& command, const MaterialTable& table) {
+// Returns the option that needs form factors in memory; empty where there is none.
+std::string findNeedOfMatrix(const SolveCommand& command) {
   if (command.form_factor_tolerance) return "--form-factors";
   if (command.epsilon) return "--epsilon";
   if (command.exchange) return "--exchange";
   for (const std::string& output : command.outputs)
-    if (!output.ends_with(".csv")) return "-o " + output;
-  if (!table.band_limits_um.empty()) return "the bands of wavelengths in " + table.file;
+    if (!output.ends_with(".csv") && !output.ends_with(".vtp")) return "-o " + output;
   return {};
 }
 
@@ -34,6 +35,7 @@ MatrixFreeRequest requestOf(const SolveCommand& command) {
   request.seed = command.request.seed;
   request.threads = command.request.threads;
   request.time_limit_s = command.request.time_limit_s;
+  request.ranks = command.request.ranks;
   return request;
 }
 
@@ -44,6 +46,7 @@ int reportStop(const std::string& left) {
 
 void printAnswers(const SolveCommand& command, const MaterialTable& table, const MatrixFreeRequest& request,
                   const MatrixFreeHeat& found, const std::string& tolerance) {
+  if (request.ranks) fmt::print("ranks      {} share the sweeps\n", request.ranks->size());
   fmt::print("sampling   {} directions in {} replicates, lattice {} across; seed {}; no form factors are kept\n",
              found.directions, found.replicates, found.resolution, request.seed);
   fmt::print("{}{}", describeMaterials(table, found.heat), describeHeat(found.heat, command.request.by));
@@ -70,7 +73,7 @@ void printJson(const SolveCommand& command, const MatrixFreeHeat& found) {
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table) {
   const std::string need = command.matrix_free == MatrixFree::off ? "--matrix-free off"
                            : !command.stored.empty()              ? "--from-result"
-                                                                  : findNeedOfMatrix(command, table);
+                                                                  : findNeedOfMatrix(command);
   if (!table.laws.empty() && !need.empty())
     throw Error(
         ErrorCode::bad_usage,
@@ -87,7 +90,7 @@ bool isMatrixFree(const SolveCommand& command, const MaterialTable& table, const
   if (!table.laws.empty()) return true;
   if (command.matrix_free != MatrixFree::automatic) return command.matrix_free == MatrixFree::on;
   const uint64_t rows = command.request.by == By::surface ? scene.surfaces.size() : scene.faces.size();
-  return findNeedOfMatrix(command, table).empty() && matrixBytes(rows) > kMostMatrixBytes;
+  return findNeedOfMatrix(command).empty() && matrixBytes(rows) > kMostMatrixBytes;
 }
 
 int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, const Scene& scene) {
@@ -112,7 +115,9 @@ int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, 
   endByItself();
   progress.clear();
   warnOfEnvironment(table, found.heat);
-  for (const std::string& output : command.outputs) writeHeat(found.heat, command.request.by, output);
+  const FormFactors rows(makeIds(scene, request.by, request.two_sided), {}, {});
+  writeHeatOutputs({.form_factors = rows, .scene = &scene, .heat = &found.heat, .has_heat_alone = true},
+                   command.request.by, command.outputs);
   const double reached = largestHeatError(found.heat, found.tolerance.of);
   const std::string tolerance = describeTolerance(found.tolerance, reached);
   if (!found.is_reached) warn(fmt::format("the run ended before the tolerance: standard errors of {}", tolerance));

@@ -108,33 +108,53 @@ std::vector<double> ExchangeProducts::multiply(std::span<const Direction> direct
   for (size_t column = 0; column < columns; ++column) exponents.push_back(exponentOf(factors, columns, column));
   std::vector<int64_t> whole(factors.size());
   for (size_t k = 0; k < factors.size(); ++k) whole[k] = std::llround(std::ldexp(factors[k], exponents[k % columns]));
-  for (const auto& worker : workers_) worker->start(shares_, whole, columns, outside != nullptr);
+  directions_of_product_ = directions.size();
+  const Sums sums = summing_ ? summing_(directions, whole, columns, outside != nullptr)
+                             : sum(directions, whole, columns, outside != nullptr);
+  std::vector<double> products(factors.size());
+  for (size_t k = 0; k < products.size(); ++k)
+    products[k] = std::ldexp(static_cast<double>(sums.products[k]), -exponents[k % columns]);
+  for (size_t row = 0; outside && row < row_count_; ++row) {
+    const auto counts = [&](size_t k) {
+      return std::ldexp(static_cast<double>(sums.outside[row][k]), -workers_.front()->outsideBits());
+    };
+    Outside& to = (*outside)[row];
+    to = {to.ahead + counts(0), to.behind + counts(1), to.leak + counts(2), to.within + counts(3)};
+  }
+  return products;
+}
+
+ExchangeProducts::Sums ExchangeProducts::sum(std::span<const Direction> directions, std::span<const int64_t> factors,
+                                             size_t columns, bool counts_outside) {
+  for (const auto& worker : workers_) worker->start(shares_, factors, columns, counts_outside);
   const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
+  // Progress is shown as if others that share the directions counted as fast as this rank.
+  const auto onBatch = [&](uint64_t done) {
+    options_.on_batch(directions_of_product_ ? done * directions_of_product_ / directions.size() : done);
+  };
   shareOut(
       workers_.size(), directions.size(), chunk,
       [&](size_t worker, size_t k) {
         if (options_.stop) options_.stop();
         workers_[worker]->count(directions[k]);
       },
-      options_.on_batch);
+      options_.on_batch ? std::function<void(uint64_t)>(onBatch) : std::function<void(uint64_t)>());
   for (const auto& worker : workers_) worker->settle();
-  std::vector<double> products(factors.size());
-  for (size_t row = 0; row < row_count_; ++row) {
-    for (size_t column = 0; column < columns; ++column) {
-      WideInteger sum = 0;
-      for (const auto& worker : workers_) sum += worker->sum(row, column);
-      products[row * columns + column] = std::ldexp(static_cast<double>(sum), -exponents[column]);
+  Sums sums{std::vector<WideInteger>(row_count_ * columns), {}};
+  if (counts_outside) sums.outside.resize(row_count_);
+  for (const auto& worker : workers_)
+    for (size_t row = 0; row < row_count_; ++row) {
+      for (size_t column = 0; column < columns; ++column)
+        sums.products[row * columns + column] += worker->sum(row, column);
+      if (counts_outside) worker->addOutside(row, sums.outside[row]);
     }
-    if (!outside) continue;
-    std::array<WideInteger, 4> of_row{};
-    for (const auto& worker : workers_) worker->addOutside(row, of_row);
-    const auto counts = [&](size_t k) {
-      return std::ldexp(static_cast<double>(of_row[k]), -workers_.front()->outsideBits());
-    };
-    Outside& to = (*outside)[row];
-    to = {to.ahead + counts(0), to.behind + counts(1), to.leak + counts(2), to.within + counts(3)};
-  }
-  return products;
+  return sums;
+}
+
+void ExchangeProducts::Sums::add(const Sums& other) {
+  for (size_t k = 0; k < products.size(); ++k) products[k] += other.products[k];
+  for (size_t row = 0; row < outside.size(); ++row)
+    for (size_t k = 0; k < outside[row].size(); ++k) outside[row][k] += other.outside[row][k];
 }
 
 }  // namespace viewpeel

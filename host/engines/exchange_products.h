@@ -1,7 +1,9 @@
 // ExchangeProducts multiply the exchange of all pairs of a scene by vectors, on the processor's threads, and peel the
 // scene again for each product. A matrix is never made.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <span>
@@ -44,6 +46,23 @@ class ExchangeProducts {
   std::vector<double> multiply(std::span<const Direction> directions, const std::vector<double>& factors,
                                size_t columns, std::vector<Outside>* outside = nullptr);
 
+  // Sums are products and counts of lines outside of pairs, as whole numbers.
+  struct Sums {
+    std::vector<WideInteger> products;  // [rows][columns]
+    std::vector<std::array<WideInteger, 4>>
+        outside;  // [rows]: ahead, behind, leak, within, in 2^-outsideBits(); or empty
+    // Adds sums over other directions.
+    void add(const Sums& other);
+  };
+  // Returns the sums over these directions, counted here.
+  //   In: factors: int64_t[rows][columns], sizes below 2^52
+  Sums sum(std::span<const Direction> directions, std::span<const int64_t> factors, size_t columns,
+           bool counts_outside);
+  // Sets what multiply() calls in place of sum(), for directions that are shared with others.
+  using Summing = std::function<Sums(std::span<const Direction> directions, std::span<const int64_t> factors,
+                                     size_t columns, bool counts_outside)>;
+  void sumBy(Summing summing) { summing_ = std::move(summing); }
+
   // Returns the area that one count stands for, in unit-ball units squared.
   double unitArea() const;
   uint64_t memoryBytes() const;
@@ -58,6 +77,8 @@ class ExchangeProducts {
   LatticeOptions options_;
   uint32_t row_count_;
   std::vector<std::unique_ptr<Worker>> workers_;
+  Summing summing_;
+  uint64_t directions_of_product_ = 0;  // in the present call of multiply()
 };
 
 }  // namespace viewpeel

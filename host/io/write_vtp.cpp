@@ -90,16 +90,18 @@ std::string cellData(const OutputContent& content, Arrays& arrays) {
   std::vector<int32_t> row_of_polygon(polygon_count);
   for (uint32_t k = 0; k < polygon_count; ++k) row_of_polygon[k] = static_cast<int32_t>(rows[id_of_polygon[k]]);
   std::string text = arrays.add("area", "Float64", areas) + arrays.add("row", "Int32", row_of_polygon);
-  if (!content.has_environment_alone) {
+  if (!content.has_environment_alone && !content.has_heat_alone) {
     text += add("row_sum", [&](uint32_t id) { return f.rowSums()[id].value; });
     text += add("leak", [&](uint32_t id) { return f.formFactor(id, kLeak).value; });
   }
-  text += add("environment", [&](uint32_t id) { return f.formFactor(id, kEnvironment).value; });
+  if (!content.has_heat_alone) {
+    text += add("environment", [&](uint32_t id) { return f.formFactor(id, kEnvironment).value; });
+    text += add("standard_error", [&](uint32_t id) { return largest[id]; });
+  }
   if (content.parts) {
     text += add("environment_up", [&](uint32_t id) { return content.parts->up[id].value; });
     text += add("environment_down", [&](uint32_t id) { return content.parts->down[id].value; });
   }
-  text += add("standard_error", [&](uint32_t id) { return largest[id]; });
   if (content.heat) {
     const std::vector<HeatRow>& rows_of_heat = content.heat->rows;
     text += add("temperature", [&](uint32_t id) { return rows_of_heat[id].temperature.value; });
@@ -143,7 +145,10 @@ void writeVtp(const OutputContent& content, std::ostream& out) {
              "</CellData>\n<Points>\n{}</Points>\n<Polys>\n{}</Polys>\n</Piece>\n</PolyData>\n"
              "<AppendedData encoding=\"raw\">\n_",
              textArray("row_order\" NumberOfTuples=\"1", 1, [](uint32_t) -> const std::string& { return kRowOrder; }),
-             scene.corners.size(), scene.polygons.size(), content.has_environment_alone ? "environment" : "row_sum",
+             scene.corners.size(), scene.polygons.size(),
+             content.has_environment_alone ? "environment"
+             : content.has_heat_alone      ? "temperature"
+                                           : "row_sum",
              cells, places, corners);
   arrays.write(out);
   out << "\n</AppendedData>\n</VTKFile>\n";

@@ -17,16 +17,18 @@ namespace viewpeel {
 // RankWork is the first byte of a question, and says what the rank is to do. `close_engine` and `stop` have no
 // answer; the answer to `end` is RankAnswer::ended.
 enum class RankWork : uint8_t {
-  hello,         // version and fingerprint of the scene -> threads of the rank
-  open_engine,   // number, kind, lattice, ids -> nothing
-  count,         // number, directions -> counts
-  count_blocks,  // number, directions, directions of a block -> counts of each block
-  find_pairs,    // ids, seed, ... -> hash of the pairs
-  plan_lines,    // a range of pairs, goals -> plans of their lines
-  take_pairs,    // plans of all pairs -> hash of the pairs' parts, after they are cut
-  count_lines,   // replicate, a range of pairs -> counts
-  draw_uniform,  // tasks -> the same, done
-  draw_strata,   // tasks -> the same, done
+  hello,          // version and fingerprint of the scene -> threads of the rank
+  open_engine,    // number, kind, lattice, ids -> nothing
+  count,          // number, directions -> counts
+  count_blocks,   // number, directions, directions of a block -> counts of each block
+  find_pairs,     // ids, seed, ... -> hash of the pairs
+  plan_lines,     // a range of pairs, goals -> plans of their lines
+  take_pairs,     // plans of all pairs -> hash of the pairs' parts, after they are cut
+  count_lines,    // replicate, a range of pairs -> counts
+  draw_uniform,   // tasks -> the same, done
+  draw_strata,    // tasks -> the same, done
+  open_products,  // lattice, ids, materials -> nothing
+  sum_products,   // directions, factors -> sums of products
   close_engine,
   stop,
   end,

@@ -17,6 +17,7 @@
 #include "ranks/crew.h"
 #include "ranks/pause.h"
 #include "ranks/put_ids.h"
+#include "solve/ranked_products.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -62,7 +63,8 @@ class Serving {
         scene_(scene),
         request_(request),
         lines_(
-            scene, request.threads, [this] { stopOnRequest(); }, [this] { return device(); }) {}
+            scene, request.threads, [this] { stopOnRequest(); }, [this] { return device(); }),
+        products_(scene, request.threads, [this] { stopOnRequest(); }) {}
 
   std::string answer(RankWork work, MessageReader& in) {
     is_stopped_ = false;
@@ -77,6 +79,9 @@ class Serving {
         return count(in);
       case RankWork::count_blocks:
         return countBlocks(in);
+      case RankWork::open_products:
+      case RankWork::sum_products:
+        return products_.answer(work, in);
       default:
         return lines_.answer(work, in);
     }
@@ -151,6 +156,7 @@ class Serving {
   std::optional<Device> device_;
   std::map<uint64_t, Open> engines_;  // by the numbers that rank 0 gave them
   LineServer lines_;
+  ProductServer products_;
 };
 
 }  // namespace

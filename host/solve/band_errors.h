@@ -1,24 +1,39 @@
-// BandErrors propagate errors of form factors to solutions with bands of wavelengths, in first order.
+// BandErrors have the errors of solutions with bands of wavelengths, in first order.
 #pragma once
 #include <vector>
 
-#include "solve/band_system.h"
+#include "solve/band_state.h"
 
 namespace viewpeel {
 
-constexpr size_t kMostSources = 512;
+// A BandDisturbance is the effect of an error of exchange areas. of_bands is the effect on A H_k of each band k, W,
+// where A are areas and H_k irradiations. The other two are effects on each row's exchange area with the whole
+// environment, and with its part above the horizon (up).
+struct BandDisturbance {
+  BandVectors of_bands;
+  Eigen::VectorXd environment, up;
 
-// BandErrors hold how errors of exchange areas change all answers: a column for each error. Where there are too many
-// errors, there are kProbes columns (heat_errors.h), each for random signs of all errors. Columns for errors of sky and
-// ground come last. Derivation: docs/solve.md, eq. (7), (8) and (13).
-//   Error: of first order; with probes, 1/16 of the standard error. Tests: tests/unit/solve_bands_test.cpp.
+  BandDisturbance(Eigen::Index rows, size_t bands)
+      : of_bands(bands, Eigen::VectorXd::Zero(rows)),
+        environment(Eigen::VectorXd::Zero(rows)),
+        up(Eigen::VectorXd::Zero(rows)) {}
+};
+
+// A BandResponse says how temperatures, K, and irradiations, W/m2, change under a disturbance, in first order.
+struct BandResponse {
+  Eigen::VectorXd temperature;
+  BandVectors irradiation;
+};
+
+// BandErrors have a column for each of several independent errors: how it changes all answers.
 class BandErrors {
  public:
-  //   In: measured, closed, system: after solve(), used during the call only; most_sources: with more errors of
-  //     exchange areas there are probes
-  //   Cost: BandSystem::respond for each column.
-  BandErrors(const FormFactors& measured, const ClosedExchange& closed, const BandSystem& system,
-             size_t most_sources = kMostSources);
+  //   In: closed: its pairs are not read; both: referred to; columns: number of errors; weighted: number of the first
+  //     columns whose squares have the factor `weight`, the others have 1
+  BandErrors(const ClosedExchange& closed, const BandState& state, size_t columns, size_t weighted, double weight);
+
+  // Sets a column. Several threads may set different columns at once.
+  void put(size_t column, const BandDisturbance& disturbance, const BandResponse& response);
 
   // An Answer is a quantity that has a value for each row of the solution.
   enum Answer { kTemperature, kEmission, kRadiosity, kIrradiation, kFlux };
@@ -34,12 +49,16 @@ class BandErrors {
   double toDown() const { return rootOfSquares(to_down_); }
 
  private:
+  using Changes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   double rootOfSquares(const Eigen::VectorXd& changes) const;
 
-  size_t sources_ = 0;                    // number of columns for errors of exchange areas, or of probes
-  double weight_ = 1;                     // factor of the squares of these columns
-  std::vector<Eigen::MatrixXd> changes_;  // by Answer: rows x columns
-  Eigen::VectorXd to_up_, to_down_;       // by column
+  const ClosedExchange& closed_;
+  const BandState& state_;
+  Eigen::Index weighted_;
+  double weight_;
+  BandVectors radiosities_;
+  std::vector<Changes> changes_;     // by Answer: rows x columns
+  Eigen::VectorXd to_up_, to_down_;  // by column
 };
 
 }  // namespace viewpeel

@@ -5,13 +5,11 @@
 #include <vector>
 
 #include <viewpeel/solve.h>
-#include "solve/blackbody.h"
+#include "solve/band_errors.h"
+#include "solve/band_state.h"
 #include "solve/irradiation.h"
-#include "solve/outside.h"
 
 namespace viewpeel {
-
-using BandVectors = std::vector<Eigen::VectorXd>;  // a vector over rows for each band
 
 // A BandSystem solves A H_k = X B_k + x_e S_k and B_k = e_k E_k(T) + (1 - e_k) H_k for each band k of wavelengths. A is
 // the diagonal matrix of areas, X holds the exchange areas between rows, and x_e each row's with the environment. H_k,
@@ -28,51 +26,26 @@ class BandSystem {
   //    conjugate gradients do not converge.
   void solve(const std::vector<std::string>& names);
 
-  size_t bandCount() const { return bands_.size(); }
-  const Eigen::VectorXd& temperatures() const { return temperatures_; }
-  // Returns irradiations and radiosities of a band, less its shift().
-  const Eigen::VectorXd& irradiation(size_t k) const { return irradiations_[k]; }
-  Eigen::VectorXd radiosity(size_t k) const;
-  const Outside& outside(size_t k) const { return outside_[k]; }
-  const Eigen::VectorXd& emissivity(size_t k) const { return emissivities_[k]; }
-  // Returns E_k(T) less the shift. The shift is the emission in the band at the reference temperature.
-  double power(size_t k, double temperature) const { return bandPower(bands_[k], temperature) - shifts_[k]; }
-  double powerSlope(size_t k, double temperature) const { return bandPowerSlope(bands_[k], temperature); }
-  double shift(size_t k) const { return shifts_[k]; }
+  const BandState& state() const { return state_; }
   uint32_t steps() const;
 
-  // A Response says how temperatures, K, and irradiations, W/m2, change under a disturbance of A H_k, in first order.
-  struct Response {
-    Eigen::VectorXd temperature;
-    BandVectors irradiation;
-  };
   // Returns the response to a disturbance of A H_k in each band k. Several threads may call it at once.
   //   In: disturbances: by band and row, W    Error: 1e-7 of the disturbance.
-  Response respond(const BandVectors& disturbances) const;
+  BandResponse respond(const BandVectors& disturbances) const;
 
  private:
-  bool isFree(Eigen::Index row) const { return is_free_[static_cast<size_t>(row)]; }
   Eigen::VectorXd solveRoughly(size_t k, const Eigen::VectorXd& b) const;
   void findIrradiations();
   Eigen::VectorXd excess() const;
-  void refuseNegativeEmission(const std::vector<std::string>& names) const;
   void guessTemperatures();
-  Eigen::VectorXd slope(size_t k) const;
   Eigen::VectorXd changeOfFlux(const BandVectors& slopes, const Eigen::VectorXd& change) const;
   Eigen::VectorXd solveNewton(const Eigen::VectorXd& right_side) const;
 
   const ClosedExchange& closed_;
-  const Enclosure& enclosure_;
-  std::vector<Band> bands_;
-  std::vector<double> shifts_;
-  BandVectors emissivities_;
+  BandState state_;
   std::vector<std::shared_ptr<const Irradiation>> solvers_;  // by band; bands with the same emissivities share one
   using RowMajorMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   std::vector<std::shared_ptr<const RowMajorMatrix>> inverses_;  // by band; empty with more than kMostExactRows rows
-  std::vector<Outside> outside_;
-  std::vector<bool> is_free_;  // by row: whether its temperature is to be found
-  Eigen::VectorXd temperatures_;
-  BandVectors irradiations_;
 };
 
 }  // namespace viewpeel

@@ -56,6 +56,8 @@ class PeeledExchange {
   };
   Part multiplyPart(uint32_t replicate, const Columns& v);
 
+  ExchangeProducts& products() { return *products_; }
+  const LatticeOptions& lattice() const { return options_; }
   uint64_t directionCount() const { return directions_.size(); }
   uint64_t productCount() const { return product_count_; }
   uint64_t sweeps() const { return sweeps_; }

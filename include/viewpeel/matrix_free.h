@@ -20,6 +20,7 @@ struct MatrixFreeRequest {
   uint64_t seed = 1;       // the same seed gives the same bits
   uint32_t threads = 0;    // 0: one for each core
   std::optional<double> time_limit_s;
+  Ranks* ranks = nullptr;  // rank 0 of several that share the sweeps (ranks.h); others call serveRanks()
 };
 
 // A MatrixFreeObserver watches a run. Each function may be empty.
@@ -61,14 +62,14 @@ constexpr double kMostMatrixBytes = 4.0 * (1u << 30);
 //   a vector.
 //   Rows whose emissivity depends on the angle are split into an emitter and a reflector, whose lines are weighted in
 //   each direction: docs/method.md, section 15.
-//   In: scene; materials: grey, diffuse or directional; request
+//   In: scene; materials: grey and diffuse, with bands of wavelengths, or directional; request
 //   Out: see MatrixFreeHeat. The first round's answers are kept where a later one is stopped.
 //   Error: standard errors come from 8 replicates, carried to first order. The equations are solved to
 //     request.residual. Tests: tests/unit/matrix_free_test.cpp, against the same counts in a matrix and closed forms.
-//   Throws: as assignMaterials, before anything is computed; Error bad_usage for bands of wavelengths; bad_input as
-//     solveHeat; limit where time is up, or the observer stops the run, before the first round is done.
+//   Throws: as assignMaterials, before anything is computed; Error bad_input as solveHeat; limit where time is up, or
+//   the observer stops the run, before the first round is done.
 //   Cost: in each round two dozens of sweeps of all directions, more where emissivities are small; memory of 600 bytes
-//     a row and some 700 more for each thread.
+//     a row and some 700 more for each thread. With bands, twice the sweeps, and memory times the number of bands.
 //   Source: R. Barrett et al., Templates for the Solution of Linear Systems, SIAM 1994 (conjugate gradients).
 MatrixFreeHeat solveMatrixFree(const Scene& scene, const MaterialTable& materials,
                                const MatrixFreeRequest& request = {}, const MatrixFreeObserver& observer = {});

@@ -65,6 +65,8 @@ struct OutputContent {
   // The form factors come from environmentAlone(): files have no matrix, leak nor row sums. Formats are .csv,
   // .rows.csv, .h5, .json and .vtp.
   bool has_environment_alone = false;
+  // The heat comes from solveMatrixFree(): form_factors has rows, but no entries. The format is .vtp.
+  bool has_heat_alone = false;
 };
 
 // Writes a file by its extension: .csv, .mtx, .npz, .h5, .json, .vtp, .html, .vwf, .idf, .epJSON, .fdf, .dat or .i
@@ -82,7 +84,8 @@ struct OutputContent {
 //     built (VIEWPEEL_BUILD_REPORT). The same for the environment alone in a format that is all matrix, and for an
 //     unknown name in content.shown; Error limit for a .h5 that does not fit into memory; Error output, naming the
 //     file and the system's reason.
-//   Cost: O(nonzeros + polygons). .h5, .html and .vtp are made in memory; .vwf has 8 n^2 bytes.
+//   Cost: O(nonzeros + polygons). .html and .vtp are made in memory, and so is all of .h5 but its
+//     matrices; .vwf has 8 n^2 bytes.
 void writeFormFactors(const OutputContent& content, const std::filesystem::path& file);
 
 // Writes the content of a file with this ending to a stream.

@@ -14,6 +14,7 @@
 
 #include <viewpeel/compute.h>
 #include <viewpeel/error.h>
+#include <viewpeel/matrix_free.h>
 #include <viewpeel/read.h>
 #include <viewpeel/solve.h>
 #include <viewpeel/sparse_rows.h>
@@ -40,7 +41,7 @@ struct HeldResult {
 
 struct HeldHeat {
   HeatSolution solution;
-  std::shared_ptr<HeldResult> form_factors;
+  std::shared_ptr<HeldResult> form_factors;  // null where none were kept
 };
 
 // Makes the Python object of a run's result.

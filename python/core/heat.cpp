@@ -4,14 +4,31 @@
 namespace viewpeel::python {
 namespace {
 
-// Makes materials.    In: lines: (name, emissivity, temperature or None, heat flux or None)
-MaterialTable tableOf(
-    const std::vector<std::tuple<std::string, double, std::optional<double>, std::optional<double>>>& lines,
-    std::optional<double> environment_K) {
+using Line =
+    std::tuple<std::string, std::vector<double>, std::optional<double>, std::optional<double>, std::optional<uint32_t>>;
+using Law = std::tuple<double, std::vector<double>, std::vector<double>>;
+
+// Makes materials.
+//   In: lines: (name, emissivity of each band, temperature or None, heat flux or None, index of a law or None); bands:
+//     limits in micrometres, none for grey rows; laws: (cosine power, angles in degrees, values)
+MaterialTable tableOf(const std::vector<Line>& lines, std::optional<double> environment_K,
+                      const std::vector<double>& bands, const std::vector<Law>& laws) {
   MaterialTable table{"materials", {}, environment_K};
-  for (const auto& [name, emissivity, temperature, heat_flux] : lines)
-    table.lines.push_back({name, {emissivity, temperature, heat_flux}});
+  table.band_limits_um = bands;
+  for (const auto& [name, emissivities, temperature, heat_flux, law] : lines) {
+    Material material{emissivities.front(), temperature, heat_flux};
+    if (!bands.empty()) material.band_emissivities = emissivities;
+    material.directional = law;
+    table.lines.push_back({name, material});
+  }
+  for (const auto& [power, angles, values] : laws) table.laws.push_back({power, angles, values});
   return table;
+}
+
+HeatTolerance toleranceOf(double tolerance, const std::string& unit) {
+  return {tolerance, unit == "K"      ? HeatTolerance::Of::temperature
+                     : unit == "W/m2" ? HeatTolerance::Of::heat_flux
+                                      : HeatTolerance::Of::relative};
 }
 
 std::shared_ptr<HeldHeat> solve(const std::shared_ptr<HeldResult>& result, const MaterialTable& materials) {
@@ -28,9 +45,7 @@ py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const Materi
                   const std::string& unit, const py::object& tick) {
   Request request = requestOf(arguments);
   request.scene_options = held.options;
-  const HeatTolerance goal{tolerance, unit == "K"      ? HeatTolerance::Of::temperature
-                                      : unit == "W/m2" ? HeatTolerance::Of::heat_flux
-                                                       : HeatTolerance::Of::relative};
+  const HeatTolerance goal = toleranceOf(tolerance, unit);
   return answerOf(
       [&](const Observer& observer) { return solveScene(*held.scene, materials, request, goal, observer); }, tick,
       [&](SceneHeat found) {
@@ -42,6 +57,38 @@ py::tuple solveTo(const HeldScene& held, const py::dict& arguments, const Materi
         return py::make_tuple(std::make_shared<HeldHeat>(HeldHeat{std::move(found.heat), std::move(result)}),
                               found.is_reached);
       });
+}
+
+// Solves without form factors in memory.
+//   In: tolerance: (value, unit) as of solveTo, or None    Out: as of solveTo
+py::tuple solveWithoutMatrix(const HeldScene& held, const py::dict& arguments, const MaterialTable& materials,
+                             const std::optional<std::pair<double, std::string>>& tolerance, const py::object& tick) {
+  const Request words = requestOf(arguments);
+  MatrixFreeRequest request{.by = words.by, .two_sided = words.two_sided};
+  if (tolerance) request.tolerance = toleranceOf(tolerance->first, tolerance->second);
+  request.seed = words.seed, request.threads = words.threads, request.time_limit_s = words.time_limit_s;
+  return answerOf(
+      [&](const Observer& observer) {
+        MatrixFreeObserver watch{.should_stop = observer.should_stop, .on_progress = {}};
+        watch.on_progress = [&](uint64_t product, uint64_t done, uint64_t all, double error) {
+          Progress progress;
+          progress.phase = Progress::Phase::counting;
+          progress.replicates = product;
+          progress.directions = done, progress.directions_of_replicate = all, progress.largest_standard_error = error;
+          observer.on_progress(progress);
+        };
+        return solveMatrixFree(*held.scene, materials, request, watch);
+      },
+      tick,
+      [](MatrixFreeHeat found) {
+        return py::make_tuple(std::make_shared<HeldHeat>(HeldHeat{std::move(found.heat), nullptr}), found.is_reached);
+      });
+}
+
+// Returns whether `viewpeel solve` would keep no form factors of this scene.
+bool isMatrixFree(const HeldScene& held, const MaterialTable& materials, bool by_surface) {
+  const size_t rows = by_surface ? held.scene->surfaces.size() : held.scene->faces.size();
+  return !materials.laws.empty() || matrixBytes(rows) > kMostMatrixBytes;
 }
 
 const std::vector<HeatRow>& rowsOf(const HeldHeat& heat, bool by_surface) {
@@ -87,7 +134,9 @@ py::dict columnsOf(const HeldHeat& heat, bool by_surface) {
 }  // namespace
 
 void addHeat(py::module_& module) {
-  py::class_<MaterialTable>(module, "Materials").def(py::init(&tableOf), py::arg("lines"), py::arg("environment"));
+  py::class_<MaterialTable>(module, "Materials")
+      .def(py::init(&tableOf), py::arg("lines"), py::arg("environment"), py::arg("bands"), py::arg("laws"))
+      .def_property_readonly("is_directional", [](const MaterialTable& table) { return !table.laws.empty(); });
   module.def(
       "read_materials", [](const std::string& file) { return readMaterials(file); }, py::arg("file"));
   py::class_<HeldHeat, std::shared_ptr<HeldHeat>>(module, "Heat")
@@ -110,6 +159,9 @@ void addHeat(py::module_& module) {
   module.def("solve", &solve, py::arg("result"), py::arg("materials"));
   module.def("solve_to", &solveTo, py::arg("scene"), py::arg("arguments"), py::arg("materials"), py::arg("tolerance"),
              py::arg("unit"), py::arg("tick"));
+  module.def("solve_without_matrix", &solveWithoutMatrix, py::arg("scene"), py::arg("arguments"), py::arg("materials"),
+             py::arg("tolerance"), py::arg("tick"));
+  module.def("is_matrix_free", &isMatrixFree, py::arg("scene"), py::arg("materials"), py::arg("by_surface"));
 }
 
 }  // namespace viewpeel::python

@@ -91,6 +91,44 @@ class Heat(unittest.TestCase):
         numpy.testing.assert_allclose(surfaces.heat_flow.sum(), heat.heat_flow.sum(), atol=1e-6)
         self.assertEqual(list(surfaces.to_frame()["name"]), surfaces.name)
 
+    def test_without_form_factors_the_program_gives_the_same(self):
+        """The same seed gives the same bits, which a .csv keeps."""
+        scene, materials = scene_file("office.obj"), scene_file("office_materials.csv")
+        heat = viewpeel.solve(scene, materials, matrix_free=True, tolerance="2%")
+        with tempfile.TemporaryDirectory() as folder:
+            ours, theirs = os.path.join(folder, "ours.csv"), os.path.join(folder, "theirs.csv")
+            heat.save(ours)
+            subprocess.run([PROGRAM, "solve", scene, "--materials", materials, "--matrix-free", "on", "--tolerance", "2%", "--quiet",
+                            "-o", theirs], check=True)  # fmt: skip
+            with open(ours) as a, open(theirs) as b:
+                self.assertEqual(a.read(), b.read())
+        with self.assertRaisesRegex(ValueError, "no form factors were kept"):
+            heat.form_factors
+        with self.assertRaisesRegex(ValueError, "epsilon"):
+            viewpeel.solve(scene, materials, matrix_free=True, epsilon=1e-2)
+        with self.assertRaisesRegex(ValueError, "of form factors"):
+            viewpeel.solve(scene, materials, matrix_free=True, tolerance=1e-2)
+
+    def test_bands_and_directions(self):
+        """With one emissivity in all bands answers are grey, within 5 standard errors. Negative control: emissivities
+        that differ between bands change the heat. Plates that emit and absorb most along their normals exchange more
+        than diffuse ones, for they face each other.
+        """
+        plates = (PLATE_POINTS, PLATES, ["low", "high"])
+        grey = {"low": {"temperature": 600, "emissivity": 0.3}, "high": {"temperature": 300, "emissivity": 0.4}}
+        truth = viewpeel.solve(plates, grey, environment=250)
+        for matrix_free in (False, True):
+            heat = viewpeel.solve(plates, grey, environment=250, bands=[4, 9], matrix_free=matrix_free)
+            error = 5 * heat.heat_flow_standard_errors + 1e-9 * SIGMA * 600**4
+            self.assertTrue((abs(heat.heat_flow - truth.heat_flow) <= error).all())
+            other = dict(grey, low={"temperature": 600, "emissivity": [0.1, 0.3, 0.9]})
+            self.assertGreater(abs(viewpeel.solve(plates, other, environment=250, bands=[4, 9], matrix_free=matrix_free).heat_flow - truth.heat_flow).max(), error.max())
+        forward = {name: dict(material, directional=2) for name, material in grey.items()}
+        table = {name: dict(material, directional=[(0, 1), (90, 1)]) for name, material in grey.items()}
+        bent, flat = (viewpeel.solve(plates, materials, environment=250, tolerance="0.2%") for materials in (forward, table))
+        self.assertLess(abs(flat.heat_flow - truth.heat_flow).max(), 5 * flat.heat_flow_standard_errors.max())
+        self.assertGreater(flat.heat_flow[1] - bent.heat_flow[1], 5 * bent.heat_flow_standard_errors[1])
+
     def test_bad_materials(self):
         plates = (PLATE_POINTS, PLATES, ["low", "high"])
         for materials, pattern in (
@@ -100,10 +138,15 @@ class Heat(unittest.TestCase):
             ({"default": {"temperature": 300, "emissivity": 1.5}}, "emissivity"),
             ({"default": {"temperature": -1}}, "temperature"),
             ({"default": {"colour": 1, "temperature": 300}}, "no 'colour'"),
+            ({"default": {"temperature": 300, "directional": "cosine"}}, "directional"),
+            ({"default": {"temperature": 300, "emissivity": 0.9, "directional": 3}}, "emissivity"),
+            ({"default": {"temperature": 300, "emissivity": [0.5, 0.6]}}, "2 emissivities for 1 band"),
             ({"default": {"temperature": 300}}, "environment"),
         ):
             with self.assertRaisesRegex(ValueError, pattern):
                 viewpeel.solve(plates, materials)
+        with self.assertRaisesRegex(ValueError, "bands"):
+            viewpeel.solve(plates, {"default": {"temperature": 300}}, environment=250, bands=[4, 3])
 
 
 if __name__ == "__main__":

@@ -1,11 +1,11 @@
-"""Computes heat flows and temperatures of grey, diffuse surfaces from form factors."""
+"""Computes heat flows and temperatures of surfaces, from form factors or without them."""
 
 from __future__ import annotations
 
 import os
 import re
 import warnings
-from typing import Any, Mapping, Optional, Union
+from typing import Any, Mapping, Optional, Sequence, Union
 
 from . import _core
 from ._compute import compute
@@ -15,7 +15,8 @@ from ._scene import scene_of
 
 _QUANTITIES = ("temperature", "radiosity", "irradiation", "heat_flux", "heat_flow")
 _OF_REQUEST = {"by", "seconds", "two_sided", "seed", "engine", "device", "threads", "unoccluded", "pair_lines"}
-_OF_MATERIAL = {"emissivity", "temperature", "heat_flux"}
+_OF_MATRIX_FREE = {"by", "seconds", "two_sided", "seed", "threads"}
+_OF_MATERIAL = {"emissivity", "temperature", "heat_flux", "directional"}
 
 
 class Heat:
@@ -39,7 +40,9 @@ class Heat:
 
     @property
     def form_factors(self) -> Result:
-        """The form factors from which the answers were computed."""
+        """The form factors from which the answers were computed.    Raises: ValueError with matrix_free=True"""
+        if self._held.form_factors is None:
+            raise ValueError("matrix_free: no form factors were kept")
         return Result(self._held.form_factors)
 
     @property
@@ -76,58 +79,138 @@ class Heat:
         return len(self.name)
 
 
-def _materials_of(materials: Any, environment: Optional[float]) -> _core.Materials:
+def _law_of(name: str, directional: Any) -> tuple[float, list[float], list[float]]:
+    """Makes a directional law: (cosine power, angles, values)."""
+    if isinstance(directional, (int, float)):
+        if not 0 <= directional < float("inf"):
+            raise ValueError(f"materials: {name}: directional {directional} is not a power of the cosine from 0 on")
+        return float(directional), [], []
+    try:
+        pairs = [(float(angle), float(value)) for angle, value in directional]
+    except (TypeError, ValueError):
+        raise ValueError(
+            f"materials: {name}: directional is a power of the cosine, or pairs of an angle in degrees and a value"
+        ) from None
+    return 0.0, [angle for angle, _ in pairs], [value for _, value in pairs]
+
+
+def _materials_of(materials: Any, environment: Optional[float], bands: Optional[Sequence[float]]) -> _core.Materials:
     if isinstance(materials, (str, os.PathLike)):
-        if environment is not None:
-            raise ValueError("environment: stands in the file of materials; leave out the argument")
+        for argument, value in (("environment", environment), ("bands", bands)):
+            if value is not None:
+                raise ValueError(f"{argument}: stands in the file of materials; leave out the argument")
         return _core.read_materials(os.fspath(materials))
-    lines = []
+    limits = [float(limit) for limit in bands or ()]
+    if any(not 0 < limit < float("inf") for limit in limits) or sorted(set(limits)) != limits:
+        raise ValueError(f"bands: {limits} are not ascending wavelengths in micrometres")
+    lines, laws = [], []
     for name, material in materials.items():
         unknown = set(material) - _OF_MATERIAL
-        emissivity = float(material.get("emissivity", 1.0))
+        given = material.get("emissivity", 1.0)
+        emissivities = [float(given)] if isinstance(given, (int, float)) else [float(value) for value in given]
         temperature, heat_flux = material.get("temperature"), material.get("heat_flux")
         if unknown:
             raise ValueError(f"materials: {name}: no '{sorted(unknown)[0]}'; there is {', '.join(sorted(_OF_MATERIAL))}")
-        if not 0 < emissivity <= 1:
-            raise ValueError(f"materials: {name}: emissivity {emissivity} is not above 0 and at most 1")
+        if len(emissivities) == 1:
+            emissivities *= len(limits) + 1
+        if len(emissivities) != len(limits) + 1:
+            raise ValueError(f"materials: {name}: {len(emissivities)} emissivities for {len(limits) + 1} bands")
+        for emissivity in emissivities:
+            if not 0 < emissivity <= 1:
+                raise ValueError(f"materials: {name}: emissivity {emissivity} is not above 0 and at most 1")
         if (temperature is None) == (heat_flux is None):
             raise ValueError(f"materials: {name}: give one of temperature and heat_flux (0: adiabatic)")
         if temperature is not None and not 0 <= temperature < float("inf"):
             raise ValueError(f"materials: {name}: temperature {temperature} is not a number of K from 0 on")
         if heat_flux is not None and not abs(heat_flux) < float("inf"):
             raise ValueError(f"materials: {name}: heat_flux {heat_flux} is not a number of W/m2")
-        lines.append((str(name), emissivity, temperature, heat_flux))
+        law = None
+        if material.get("directional") is not None:
+            if limits:
+                raise ValueError(f"materials: {name}: directional beside bands; leave one of the two out")
+            law = len(laws)
+            laws.append(_law_of(name, material["directional"]))
+        lines.append((str(name), emissivities, temperature, heat_flux, law))
     if environment is not None and not 0 <= environment < float("inf"):
         raise ValueError(f"environment: {environment} is not a temperature in K from 0 on")
-    return _core.Materials(lines, environment)
+    return _core.Materials(lines, environment, limits, laws)
 
 
-def _solve_to(scene: Any, table: _core.Materials, tolerance: str, options: dict[str, Any]) -> Heat:
+def _tolerance_of(tolerance: str) -> tuple[float, str]:
+    """Reads a tolerance of the answers: (value, unit)."""
     match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(K|W/m2|%)\s*", tolerance)
     if not match or not float(match[1]) > 0:
         raise ValueError(f"tolerance: '{tolerance}' is not a number above 0 with a unit: 0.1K, 2W/m2 or 1%")
+    return (float(match[1]) / 100 if match[2] == "%" else float(match[1])), match[2]
+
+
+def _arguments_of(options: dict[str, Any], names: set[str]) -> dict[str, Any]:
+    return {name: options.pop(name) for name in list(options) if name in names}
+
+
+def _solve_scene(scene: Any, table: _core.Materials, matrix_free: Optional[bool], options: dict[str, Any]) -> Heat:
+    made = scene_of(scene, options)
+    by_surface = options["by"] == "surface"
+    if matrix_free is None:
+        takes_form_factors = not set(options) <= _OF_MATRIX_FREE | {"tolerance", "progress"} or isinstance(
+            options.get("tolerance"), (int, float)
+        )
+        is_large = _core.is_matrix_free(made, table, by_surface)
+        matrix_free = table.is_directional or (is_large and not takes_form_factors)
+    if matrix_free:
+        return Heat(_solve_without_matrix(made, table, options), by_surface)
+    if isinstance(options.get("tolerance"), str):
+        return Heat(_solve_to(made, table, options.pop("tolerance"), options), by_surface)
+    if options.get("epsilon") is not None:
+        options.setdefault("pair_lines", True)  # pair lines give an interval for each pair
+    else:
+        options.setdefault("promise", False)  # estimates have standard errors, which the answers' errors follow from
+    return Heat(_core.solve(compute(made, **options)._held, table), by_surface)
+
+
+def _solve_to(made: _core.Scene, table: _core.Materials, tolerance: str, options: dict[str, Any]) -> _core.Heat:
+    value, unit = _tolerance_of(tolerance)
     for name in ("relative", "epsilon", "directions", "replicates", "checkpoint", "resume"):
         if options.pop(name, None):
             raise ValueError(f"{name}: form factors are computed to the tolerance of the answers; leave it out")
     progress = options.pop("progress", False)
-    arguments = {name: options.pop(name) for name in list(options) if name in _OF_REQUEST}
-    made = scene_of(scene, options)
+    arguments = _arguments_of(options, _OF_REQUEST)
     if options:
         raise TypeError(f"solve() has no argument {', '.join(map(repr, options))}")
-    value = float(match[1]) / 100 if match[2] == "%" else float(match[1])
     held, is_reached = run_to_end(
-        lambda tick: _core.solve_to(made, arguments, table, value, match[2], tick), progress
+        lambda tick: _core.solve_to(made, arguments, table, value, unit, tick), progress
     )
+    return _reached(held, is_reached, tolerance)
+
+
+def _solve_without_matrix(made: _core.Scene, table: _core.Materials, options: dict[str, Any]) -> _core.Heat:
+    tolerance = options.pop("tolerance", None)
+    progress = options.pop("progress", False)
+    arguments = _arguments_of(options, _OF_MATRIX_FREE)
+    for name in sorted(options):
+        raise ValueError(f"{name}: no form factors are kept; leave it out, or say matrix_free=False")
+    if tolerance is not None and not isinstance(tolerance, str):
+        raise ValueError(f"tolerance: {tolerance} is of form factors, of which none are kept; give one of answers: '1%'")
+    goal = None if tolerance is None else _tolerance_of(tolerance)
+    held, is_reached = run_to_end(
+        lambda tick: _core.solve_without_matrix(made, arguments, table, goal, tick), progress
+    )
+    return _reached(held, is_reached, tolerance or "1% of the heat, or 1K")
+
+
+def _reached(heat: _core.Heat, is_reached: bool, tolerance: str) -> _core.Heat:
     if not is_reached:
-        warnings.warn(f"time was up before the tolerance of {tolerance}; give more seconds", stacklevel=3)
-    return Heat(held, False)
+        warnings.warn(f"time was up before the tolerance of {tolerance}; give more seconds", stacklevel=5)
+    return heat
 
 
 def solve(
     scene: Any,
-    materials: Union[str, "os.PathLike[str]", Mapping[str, Mapping[str, float]]],
+    materials: Union[str, "os.PathLike[str]", Mapping[str, Mapping[str, Any]]],
     *,
     environment: Optional[float] = None,
+    bands: Optional[Sequence[float]] = None,
+    matrix_free: Optional[bool] = None,
     **options: Any,
 ) -> Heat:
     """Solves B_i = e_i s T_i^4 + (1 - e_i) H_i, A_i H_i = sum_j A_i F_ij B_j (docs/solve.md).
@@ -135,8 +218,12 @@ def solve(
     In:
         scene: a Result of all rows, or whatever compute() takes
         materials: a .csv file of materials, or {name: {"emissivity": 0..1, and either "temperature": K or "heat_flux":
-            W/m2}}; a name is a surface or polygon, with wildcards * and ?, or "default"
+            W/m2}}; a name is a surface or polygon, with wildcards * and ?, or "default". "directional" says how
+            emissivity depends on the angle: a power of the cosine, or pairs (angle in degrees, relative emissivity)
         environment: temperature of the surroundings, K; needed for open scenes
+        bands: wavelengths in micrometres at which bands meet. "emissivity" is then a sequence, one number for each band
+        matrix_free: True keeps no form factors, for scenes of any size; False keeps them. By default none are kept where
+            emissivity depends on the angle, or where they could take more than 4 GiB
         options: options of compute(), if scene is no Result; `by` is "surface" by default. With epsilon all answers
             have bounds. tolerance may also be a text, the largest standard error of the answers: "0.1K" of
             temperatures, "2W/m2" of heat fluxes, "1%" of heat flows over all heat. Then form factors are computed
@@ -145,14 +232,11 @@ def solve(
     Error: standard errors of first order; of the equations 1e-11 of the largest radiosity
     Raises: ValueError with the program's line; Error; as compute()
     """
-    table = _materials_of(materials, environment)
+    table = _materials_of(materials, environment, bands)
     if isinstance(scene, Result):
         if options:
             raise TypeError("solve() computes nothing of a Result: leave out the options of compute()")
-        return Heat(_core.solve(scene._held, table), False)
-    options = {"by": "surface", **options}
-    if isinstance(options.get("tolerance"), str):
-        return _solve_to(scene, table, options.pop("tolerance"), options)
-    if options.get("epsilon") is not None:
-        options.setdefault("pair_lines", True)  # pair lines give an interval for each pair
-    return Heat(_core.solve(compute(scene, **options)._held, table), False)
+        if matrix_free:
+            raise ValueError("matrix_free: a Result has its form factors; give the scene")
+        return Heat(_core.solve(scene._held, table), scene.parameters.get("by") == "surface")
+    return _solve_scene(scene, table, matrix_free, {"by": "surface", **options})

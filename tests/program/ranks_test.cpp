@@ -100,6 +100,35 @@ TEST_F(RankProgram, SolvesAsARunAlone) {
   ASSERT_EQ(runRanks(2, solve + file("shared.csv")).status, 0);
   EXPECT_EQ(readFile(file("shared.csv")), readFile(file("alone.csv")));
 }
+  const std::string products = "solve " VIEWPEEL_SCENES "/office.obj --materials " VIEWPEEL_SCENES
+                               "/office_materials.csv --matrix-free on --quiet -o ";
+  ASSERT_EQ(run(products + file("alone.csv")).status, 0);
+  ASSERT_EQ(runRanks(3, products + file("shared.csv")).status, 0);
+  EXPECT_EQ(readFile(file("shared.csv")), readFile(file("alone.csv")));
+}
+
+TEST_F(RankProgram, HasBlocksOfRows) {
+  const std::string options = "compute " + kStreet + " --directions 30 --replicates 3 --unoccluded off --quiet -o ";
+  ASSERT_EQ(run(options + file("alone.h5")).status, 0);
+  const Result shared = runRanks(3, options + file("shared.h5") + " --row-blocks 3");
+  ASSERT_EQ(shared.status, 0) << shared.output;
+  const PythonResult judged = runPython(folder_, R"(
+import h5py, numpy
+a, b = h5py.File('alone.h5'), h5py.File('shared.h5')
+def names(f):
+    found = []
+    f.visititems(lambda name, item: found.append(name) if isinstance(item, h5py.Dataset) else None)
+    return sorted(found)
+assert names(a) == names(b) and len(names(a)) > 15
+for name in names(a):
+    if a[name].dtype != h5py.ref_dtype: assert numpy.array_equal(a[name][:], b[name][:]), name
+assert set(a.attrs) == set(b.attrs), set(a.attrs) ^ set(b.attrs)
+)");
+  EXPECT_EQ(judged.status, 0) << judged.output;
+  const Result refused = run(options + file("a.csv") + " --row-blocks 2");
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.output.find("give -o NAME.h5"), std::string::npos) << refused.output;
+  EXPECT_EQ(run("compute " + kStreet + " --row-blocks 2 -o " + file("b.h5")).status, 2);
 
 // Rank 0 prints once, whatever all ranks have met.
 TEST_F(RankProgram, SpeaksWithOneVoice) {

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "tests/support/program.h"
+#include "tests/support/python.h"
 
 namespace viewpeel {
 namespace {
@@ -188,6 +189,32 @@ TEST_F(SolveProgram, WithoutAMatrix) {
   expectRefusal(run(solve + " --epsilon 0.1"), "--epsilon takes");
   expectRefusal(run(solve + " --form-factors 0.1"), "--form-factors takes");
   expectRefusal(run(solve + " -o " + file("m.h5")), "m.h5 takes");
+}
+
+// Without a matrix a .vtp has the answers of the .csv, and no form factors.
+TEST_F(SolveProgram, WithoutAMatrixAnswersGoToParaView) {
+  const std::string bands = write("bands.csv",
+                                  "surface,emissivity:0-8,emissivity:8-inf,temperature,heat_flux\n"
+                                  "default,0.4,0.9,290,\nradiator,0.3,0.95,,200\n");
+  const Result r = run("solve " + kOffice + " --by polygon --materials " + bands +
+                       " --matrix-free on --tolerance 2% -o " + file("m.csv") + " -o " + file("m.vtp"));
+  ASSERT_EQ(r.status, 0) << r.output;
+  const PythonResult judged = runPython(folder_, R"(
+import csv, vtkmodules.vtkIOXML as xml
+from vtkmodules.util.numpy_support import vtk_to_numpy
+reader = xml.vtkXMLPolyDataReader()
+reader.SetFileName('m.vtp')
+reader.Update()
+cells = reader.GetOutput().GetCellData()
+rows = list(csv.DictReader(open('m.csv')))
+assert len(rows) == 576
+for name in ('temperature', 'radiosity', 'irradiation', 'heat_flux'):
+    for row, value in zip(vtk_to_numpy(cells.GetArray('row')), vtk_to_numpy(cells.GetArray(name))):
+        assert value == float(rows[row][name]), (name, row)
+assert max(float(r['temperature']) for r in rows) > 300
+assert cells.GetArray('row_sum') is None and cells.GetArray('environment') is None
+)");
+  EXPECT_EQ(judged.status, 0) << judged.output;
 }
 
 TEST_F(SolveProgram, DirectionalEmissivities) {

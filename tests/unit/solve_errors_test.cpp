@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "scenes/heat_scenes.h"
-#include "solve/band_errors.h"
+#include "solve/carry_pair_errors.h"
 #include "solve/heat_errors.h"
 #include "tests/support/enclosures.h"
 #include "tests/support/reference_shapes.h"
@@ -226,7 +226,7 @@ TEST(SolveErrors, ProbesOfBandsComeToTheirSources) {
   const Enclosure enclosure = withBands({mixedMaterials(), 270, {}});
   BandSystem system(closed, enclosure);
   system.solve(f.ids().names);
-  const BandErrors exact(f, closed, system), probed(f, closed, system, 0);
+  const BandErrors exact = carryPairErrors(f, closed, system), probed = carryPairErrors(f, closed, system, 0);
   for (const auto answer : {BandErrors::kTemperature, BandErrors::kRadiosity, BandErrors::kIrradiation})
     for (uint32_t k = 2; k < kRows; k += 3) {  // rows of given heat fluxes
       const double truth = exact.standardError(answer, {{k, 1}});
