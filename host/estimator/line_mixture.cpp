@@ -51,7 +51,7 @@ double shareOutside(const PairCounts& counts) {
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count) {
   const double count = double(face_count);
   return count * count / 2 <= kMostFacingPairs ||
-         !countsTooMany({.pairs_of_direction = count / 4}, mixture, replicates);
+         countedPairs({.pairs_of_direction = count / 4}, mixture, replicates) <= kMostCountedPairs;
 }
 
 bool mayFindAll(const PairNumbers& pairs) {
@@ -65,8 +65,8 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
   return of_pairs <= std::max(kSoon, kWorth * of_directions);
 }
 
-bool countsTooMany(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
-  return work.pairs_of_direction * mixture.directions * replicates > kMostCountedPairs;
+double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
+  return work.pairs_of_direction * mixture.directions * replicates;
 }
 
 }  // namespace viewpeel

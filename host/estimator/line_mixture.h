@@ -15,7 +15,9 @@ namespace viewpeel {
 
 // A replicate has this number of common directions where each pair has lines.
 constexpr uint32_t kLineRunDirections = 32;
-constexpr double kMostCountedPairs = 3e7;  // in all directions: 72 bytes each
+// Lattices are chosen so that common directions count at most kCountedPairs pairs, or kCountedOfFace a face where that
+// is more, 72 bytes each. Only where the coarsest lattice counts more are there up to kMostCountedPairs.
+constexpr double kCountedPairs = 3e7, kCountedOfFace = 750, kMostCountedPairs = 1e8;
 
 struct LineMixture {
   double least_form_factor = 0;              // of pairs with lines, unoccluded, from the smaller face; 0: all pairs
@@ -50,7 +52,7 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 // Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time,
 // because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
-// Returns whether common directions count so many pairs that their sums do not fit into memory.
-bool countsTooMany(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
+// Returns how many pairs common directions count, each along each direction that meets it.
+double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 
 }  // namespace viewpeel

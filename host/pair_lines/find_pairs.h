@@ -30,7 +30,7 @@ struct PatchPair {
 };
 
 // At most this number of pairs is found. A pair takes some 250 bytes, with its plan and its counts.
-constexpr size_t kMostPatchPairs = 12'000'000;
+constexpr size_t kMostPatchPairs = 20'000'000;
 
 // A FindingWork counts what a search has done. It is the same on all machines and for any number of threads.
 struct FindingWork {

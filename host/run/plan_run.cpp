@@ -143,12 +143,14 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
 //   Out: line_mixture and its engine; work: pairs of a direction on this lattice; false where none fits
 bool FormFactorRun::State::fitMixture(LineMixture mixture, LineWork& work) {
   constexpr int kLeastResolution = 64;
+  const double enough = std::clamp(kCountedOfFace * double(setup.faceIds().count()), kCountedPairs, kMostCountedPairs);
   for (;; mixture.resolution = std::max(mixture.resolution / 2, kLeastResolution)) {
     line_mixture = mixture;
     makeLineEngine();
     work.pairs_of_direction = double(countDirections(kTriedDirections).size()) / kTriedDirections;
-    if (!countsTooMany(work, mixture, setup.estimate().replicates)) return true;
-    if (mixture.resolution <= kLeastResolution) return false;
+    const double counted = countedPairs(work, mixture, setup.estimate().replicates);
+    if (counted <= enough) return true;
+    if (mixture.resolution <= kLeastResolution) return counted <= kMostCountedPairs;
   }
 }
 

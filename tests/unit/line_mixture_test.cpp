@@ -43,10 +43,9 @@ TEST(LineMixture, IsTakenWherePairsAreMany) {
   EXPECT_TRUE(mayFindAll({3e7, double(kMostPatchPairs)}));
   EXPECT_FALSE(mayFindAll({3e7, 1.1 * kMostPatchPairs}));
   EXPECT_FALSE(mayFindAll({2e8, 1e6}));
-  EXPECT_FALSE(countsTooMany({{1e6, 1e6}, 7e4}, mixture, 8));
-  EXPECT_TRUE(countsTooMany({{1e6, 1e6}, 8e4}, mixture, 8));
-  EXPECT_TRUE(mayFit(mixture, 8, 200'000));
-  EXPECT_FALSE(mayFit(mixture, 8, 400'000));
+  EXPECT_EQ(countedPairs({{1e6, 1e6}, 7e4}, mixture, 8), 7e4 * 8 * mixture.directions);
+  EXPECT_TRUE(mayFit(mixture, 8, 600'000));
+  EXPECT_FALSE(mayFit(mixture, 8, 1'200'000));
   const LineMixture fine = mixtureFor(optionsOf(kGoal / 100), 1e-4);
   EXPECT_TRUE(mayFit(fine, 8, 10'000));  // lines for all pairs may do
   EXPECT_FALSE(mayFit(fine, 8, 20'000));
