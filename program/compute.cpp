@@ -17,6 +17,7 @@
 #include "program/progress_line.h"
 #include "program/request_options.h"
 #include "program/result_json.h"
+#include "program/row_blocks.h"
 #include "program/summary.h"
 #include "program/warnings.h"
 #include "estimator/find_guesses.h"
@@ -282,7 +283,11 @@ void addCompute(CLI::App& app, Run& chosen, Job& job) {
   command->callback([=, &chosen, &job] {
     const std::shared_ptr<ComputeOptions> options = settle();
     options->request.ranks = job.ranks;
-    chosen = [options] { return options->only_environment ? computeOnlyEnvironment(*options) : runCompute(*options); };
+    chosen = [options] {
+      return options->only_environment ? computeOnlyEnvironment(*options)
+             : options->row_blocks     ? runRowBlocks(*options)
+                                       : runCompute(*options);
+    };
     job.serve = [options](Ranks& ranks) {
       const Request& request = options->request;
       serveRanks(ranks, loadSceneOf(options->scene, request.scene_options, options->groups), request);

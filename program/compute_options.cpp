@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "program/only_environment.h"
+#include "program/row_blocks.h"
 #include "program/option_table.h"
 #include "program/options.h"
 #include "program/request_options.h"
@@ -68,6 +69,13 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
                     "The older name of --balance, until 0.3: its .csv column has its older name, closed_form_factor, "
                     "and NAME.closed.mtx is written, too");
   startGroup(command, kLongRuns);
+  command
+      ->add_option(
+          "--row-blocks", options->row_blocks,
+          "For matrices beyond memory: keep this number of blocks of rows, one at a time in memory of each rank "
+          "and others on disk, and write them into one .h5. It counts --directions as given")
+      ->type_name("N")
+      ->transform(isWholeNumberFrom(1, 1'000'000));
   addCheckpointOptions(command, options->checkpoint);
   startGroup(command, kOutput);
   CLI::Option* quiet = command->add_flag("-q,--quiet", options->quiet, "Print nothing but errors and warnings");
@@ -85,6 +93,7 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
     if (options->older_names) options->older_files = olderFilesOf(options->output.files);
     requireAgreement(*options);
     if (options->only_environment) checkOnlyEnvironment(command, *options);
+    if (options->row_blocks) checkRowBlocks(command, *options);
     options->files = filesOf(*options);
     return options;
   };

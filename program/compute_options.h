@@ -24,6 +24,7 @@ struct ComputeOptions {
   bool quiet = false, verbose = false, json = false;
   bool older_names = false;  // whether --closure, the older name of --balance, is given
   bool only_environment = false;
+  uint32_t row_blocks = 0;       // --row-blocks; 0: the matrix is in memory as a whole
   std::optional<glm::dvec3> up;  // --up, towards the sky; empty: the environment is not split into sky and ground
 
   bool talks() const { return !quiet && !json && !output.to_stdout; }

@@ -21,6 +21,8 @@ namespace {
 int runPlan(const ComputeOptions& options) {
   if (options.only_environment)
     throw Error(ErrorCode::bad_usage, "--only environment has no plan; viewpeel compute measures it in seconds");
+  if (options.row_blocks)
+    throw Error(ErrorCode::bad_usage, "--row-blocks counts what --directions and --replicates say; there is no plan");
   checkFiles(options);
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   checkScene(options, scene);

@@ -47,9 +47,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writeReplicateSums(out, "by_surface", sums.by_surface);
   writePriorSums(out, sums);
   writeLineSums(out, sums);
-  const std::vector<char> bytes = out.finish();
-  writeFile(file,
-            [&](std::ostream& stream) { stream.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+  writeFile(file, [&](std::ostream& stream) { out.finish(stream); });
 }
 
 Checkpoint readCheckpoint(const std::filesystem::path& file) {

@@ -28,12 +28,12 @@ uint64_t lowOf(Wide number) { return static_cast<uint64_t>(number); }
 
 template <class Rows, class SumOf>
 void writeSums(Hdf5Output& out, const std::string& group, const Rows& rows, SumOf sum_of) {
-  writeColumn<uint64_t>(out, group + "/sum_high", rows, [&](const auto& row) { return highOf(sum_of(row).sum); });
-  writeColumn<uint64_t>(out, group + "/sum_low", rows, [&](const auto& row) { return lowOf(sum_of(row).sum); });
+  writeColumn<uint64_t>(out, group + "/sum_high", rows, [sum_of](const auto& row) { return highOf(sum_of(row).sum); });
+  writeColumn<uint64_t>(out, group + "/sum_low", rows, [sum_of](const auto& row) { return lowOf(sum_of(row).sum); });
   writeColumn<uint64_t>(out, group + "/sum_of_squares_high", rows,
-                        [&](const auto& row) { return highOf(sum_of(row).sum_of_squares); });
+                        [sum_of](const auto& row) { return highOf(sum_of(row).sum_of_squares); });
   writeColumn<uint64_t>(out, group + "/sum_of_squares_low", rows,
-                        [&](const auto& row) { return lowOf(sum_of(row).sum_of_squares); });
+                        [sum_of](const auto& row) { return lowOf(sum_of(row).sum_of_squares); });
 }
 
 template <class Rows, class SumOf>
@@ -50,8 +50,8 @@ void readSums(Hdf5Input& in, const std::string& group, Rows& rows, SumOf sum_of)
 // Writes 128-bit numbers as two columns of 64 bits.
 template <class Pairs, class Value>
 void writeWide(Hdf5Output& out, const std::string& name, const Pairs& pairs, Value value) {
-  writeColumn<uint64_t>(out, name + "_high", pairs, [&](const auto& pair) { return highOf(Wide(value(pair))); });
-  writeColumn<uint64_t>(out, name + "_low", pairs, [&](const auto& pair) { return lowOf(Wide(value(pair))); });
+  writeColumn<uint64_t>(out, name + "_high", pairs, [value](const auto& pair) { return highOf(Wide(value(pair))); });
+  writeColumn<uint64_t>(out, name + "_low", pairs, [value](const auto& pair) { return lowOf(Wide(value(pair))); });
 }
 
 template <class Pairs, class Set>
@@ -184,11 +184,11 @@ void writePriorSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint64_t>(out, "prior/faces/facing", faces, [](const VisibilitySum& pair) { return pair.facing; });
   writeColumn<uint64_t>(out, "prior/faces/blocked", faces, [](const VisibilitySum& pair) { return pair.blocked; });
   writeWide(out, "prior/faces/facing_squared", faces,
-            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).facing; });
+            [&sums](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).facing; });
   writeWide(out, "prior/faces/product", faces,
-            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).product; });
+            [&sums](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).product; });
   writeWide(out, "prior/faces/blocked_squared", faces,
-            [&](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).blocked; });
+            [&sums](const VisibilitySum& pair) { return sums.prior_sums->byFace().squaresOf(pair).blocked; });
   for (const auto& [name, controls] : {std::pair(std::string("prior/surfaces"), &sums.prior_sums->surfaceControls()),
                                        {"prior/directed", &sums.prior_sums->directed()}}) {
     out.write(name + "/replicate_count", std::vector<uint64_t>{controls->replicateCount()});
@@ -219,16 +219,20 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   writeColumn<uint8_t>(out, "lines/by_angles", pairs, [](const LinePair& pair) { return pair.by_angles; });
   writeColumn<uint32_t>(out, "lines/cuts", pairs, [](const LinePair& pair) { return pair.cuts; });
   writeColumn<uint32_t>(out, "lines/parts", pairs, [](const LinePair& pair) { return pair.parts; });
-  const auto sumOf = [&](const LinePair& pair) -> const LineSum& { return lines.sumOf(&pair - pairs.data()); };
-  writeColumn<uint64_t>(out, "lines/facing", pairs, [&](const LinePair& pair) { return sumOf(pair).facing; });
-  writeColumn<uint64_t>(out, "lines/all", pairs, [&](const LinePair& pair) { return sumOf(pair).all; });
-  writeColumn<uint64_t>(out, "lines/effective", pairs, [&](const LinePair& pair) { return sumOf(pair).effective; });
+  const auto sumOf = [&lines](const LinePair& pair) -> const LineSum& {
+    return lines.sumOf(&pair - lines.pairs().data());
+  };
+  writeColumn<uint64_t>(out, "lines/facing", pairs, [sumOf](const LinePair& pair) { return sumOf(pair).facing; });
+  writeColumn<uint64_t>(out, "lines/all", pairs, [sumOf](const LinePair& pair) { return sumOf(pair).all; });
+  writeColumn<uint64_t>(out, "lines/effective", pairs, [sumOf](const LinePair& pair) { return sumOf(pair).effective; });
   writeColumn<uint64_t>(out, "lines/facing_squares", pairs,
-                        [&](const LinePair& pair) { return sumOf(pair).facing_squares; });
-  writeColumn<uint64_t>(out, "lines/products", pairs, [&](const LinePair& pair) { return sumOf(pair).products; });
-  writeColumn<uint64_t>(out, "lines/all_squares", pairs, [&](const LinePair& pair) { return sumOf(pair).all_squares; });
-  writeColumn<uint64_t>(out, "lines/drawn_blocks", pairs, [&](const LinePair& pair) { return sumOf(pair).blocks; });
-  writeColumn<uint32_t>(out, "lines/replicates", pairs, [&](const LinePair& pair) { return sumOf(pair).replicates; });
+                        [sumOf](const LinePair& pair) { return sumOf(pair).facing_squares; });
+  writeColumn<uint64_t>(out, "lines/products", pairs, [sumOf](const LinePair& pair) { return sumOf(pair).products; });
+  writeColumn<uint64_t>(out, "lines/all_squares", pairs,
+                        [sumOf](const LinePair& pair) { return sumOf(pair).all_squares; });
+  writeColumn<uint64_t>(out, "lines/drawn_blocks", pairs, [sumOf](const LinePair& pair) { return sumOf(pair).blocks; });
+  writeColumn<uint32_t>(out, "lines/replicates", pairs,
+                        [sumOf](const LinePair& pair) { return sumOf(pair).replicates; });
 }
 
 ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {

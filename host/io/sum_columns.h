@@ -2,6 +2,7 @@
 #pragma once
 #include <optional>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "io/hdf5_file.h"
@@ -9,12 +10,19 @@
 
 namespace viewpeel {
 
+// Writes a column with a value for each row.
+//   In: rows: kept by reference until the output is finished, and so is what `value` refers to
 template <class T, class Rows, class Value>
 void writeColumn(Hdf5Output& out, const std::string& name, const Rows& rows, Value value) {
-  std::vector<T> column;
-  column.reserve(rows.size());
-  for (const auto& row : rows) column.push_back(value(row));
-  out.write(name, column);
+  if constexpr (std::is_arithmetic_v<T>) {
+    out.writeLater<T>(name, rows.size(), [&rows, value](ByteSink& sink) {
+      for (const auto& row : rows) sink.put(static_cast<T>(value(row)));
+    });
+  } else {
+    std::vector<T> column;
+    for (const auto& row : rows) column.push_back(value(row));
+    out.write(name, column);
+  }
 }
 
 // Reads a column with a value for each row and calls set(row, value).

@@ -99,16 +99,29 @@ class TemporaryFile {
   __gnu_cxx::stdio_filebuf<char> buffer_;
 };
 
+// Gives a filled file its name, once the disk has its bytes.
+void settle(TemporaryFile& temporary, const fs::path& file, const fs::path& named) {
+  if (const int number = waitForDisk(temporary.name())) refuse(named, std::strerror(number));
+  if (const int number = temporary.rename(file)) refuse(named, std::strerror(number));
+  if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : "."))
+    refuse(named, std::strerror(number));
+}
+
 }  // namespace
 
 void writeFile(const fs::path& named, const std::function<void(std::ostream&)>& write) {
   const fs::path file = followLink(named);
   TemporaryFile temporary(file, ErrorCode::output);
   if (const int number = temporary.fill(write)) refuse(named, std::strerror(number));
-  if (const int number = waitForDisk(temporary.name())) refuse(named, std::strerror(number));
-  if (const int number = temporary.rename(file)) refuse(named, std::strerror(number));
-  if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : "."))
-    refuse(named, std::strerror(number));
+  settle(temporary, file, named);
+}
+
+void writeFileByName(const fs::path& named, const std::function<void(const std::string& name)>& write) {
+  const fs::path file = followLink(named);
+  TemporaryFile temporary(file, ErrorCode::output);
+  write(temporary.name());
+  if (const int number = temporary.fill([](std::ostream&) {})) refuse(named, std::strerror(number));
+  settle(temporary, file, named);
 }
 
 void checkWritable(const fs::path& named) {

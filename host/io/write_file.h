@@ -14,6 +14,9 @@ namespace viewpeel {
 //   Throws: Error output, naming the file and the system's reason.
 void writeFile(const std::filesystem::path& file, const std::function<void(std::ostream&)>& write);
 
+// Writes a file as writeFile does, for a function that opens the temporary file itself, by its name.
+void writeFileByName(const std::filesystem::path& file, const std::function<void(const std::string& name)>& write);
+
 // Checks before a long computation that writeFile would work: missing folder, a directory in the way, no permission, or
 // a full disk.
 //   Throws: Error bad_usage, naming the file and the system's reason.

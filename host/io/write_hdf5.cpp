@@ -1,80 +1,141 @@
 // writeHdf5() writes a result that SciPy, AnnData and xarray all read. Compressed rows are in a group. The columns are
 // also linked at the top, with dimension scales.
 //   Sources: AnnData's on-disk format, csr_matrix 0.1.0; CF Conventions 1.8, section 8.2, compression by gathering.
+#include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <limits>
+#include <cstring>
+#include <fstream>
+#include <functional>
+#include <optional>
+
+#include <fmt/format.h>
 
 #include "io/guesses.h"
+#include "io/hdf5_frame.h"
 #include "io/hdf5_file.h"
 #include "io/read_report.h"
 #include "io/entry_rows.h"
 #include "io/shown_rows.h"
-#include <viewpeel/sparse_rows.h>
 #include "io/writers.h"
+#include <viewpeel/sparse_rows.h>
 #include "io/stored_rows.h"
 #include "report/write_page.h"
 #include <viewpeel/drop_below.h>
 #include <viewpeel/environment.h>
+#include <viewpeel/error.h>
 #include <viewpeel/solve.h>
 
 namespace viewpeel {
 namespace {
 
-// Adds a matrix with the columns and row starts of the form factors.
-void addMatrix(Hdf5Output& out, const std::string& group, const SparseRows& rows, const std::vector<double>& values) {
-  out.write(group + "/data", values);
-  if (group == "form_factors") {
-    out.write(group + "/indices", rows.columns);
-    out.write(group + "/indptr", rows.starts);
-  } else {
-    out.link(group + "/indices", "form_factors/indices");
-    out.link(group + "/indptr", "form_factors/indptr");
-  }
-  out.setAttribute(group, "encoding-type", std::string("csr_matrix"));
-  out.setAttribute(group, "encoding-version", std::string("0.1.0"));
-  out.setAttribute(group, "shape", std::vector<int64_t>(2, rows.rowCount()));
-}
+// RowColumns are the columns of entries, in the order of rows.
+struct RowColumns {
+  explicit RowColumns(const Ids& ids) : rows(ids.rows()), row_count(ids.rowCount()) {}
 
-// Links the columns of the groups to the names that users of xarray see. Links take no room.
-void addPairs(Hdf5Output& out, const SparseRows& rows, const OutputContent& content) {
-  const bool with_balance = content.balanced != nullptr;
-  std::vector<int64_t> places;
-  std::vector<int32_t> from;
-  for (int64_t i = 0; i < rows.rowCount(); ++i)
-    for (int64_t k = rows.starts[i]; k < rows.starts[i + 1]; ++k) {
-      places.push_back(i * rows.rowCount() + rows.columns[k]);
-      from.push_back(static_cast<int32_t>(i));
-    }
-  out.write("pair", places);
-  out.makeScale("pair");
-  out.setAttribute("pair", "compress", std::string("from to"));
-  out.write("from", from);
-  out.link("to", "form_factors/indices");
-  out.link("form_factor", "form_factors/data");
-  out.link("standard_error", "standard_errors/data");
-  std::vector<std::string> of_pairs = {"form_factor", "standard_error", "from", "to"};
-  if (with_balance) {
-    out.link("balanced_form_factor", "balanced_form_factors/data");
-    of_pairs.push_back("balanced_form_factor");
+  static double formFactor(const RowEntry& entry) { return entry.form_factor.value; }
+  static double standardError(const RowEntry& entry) { return entry.form_factor.standard_error; }
+  uint32_t from(const RowEntry& entry) const { return rows[entry.i]; }
+  uint32_t to(const RowEntry& entry) const { return rows[entry.j]; }
+  int64_t pair(const RowEntry& entry) const { return from(entry) * row_count + to(entry); }
+
+  std::vector<uint32_t> rows;  // of the file, by id
+  int64_t row_count;
+};
+
+// Matrices are the form factors of a content, row by row, for as long as an Hdf5Output writes them. Large ones have no
+// room in memory a second time, so that each column is read from the form factors when it is written.
+class Matrices {
+ public:
+  explicit Matrices(const OutputContent& content)
+      : content_(content), entries_(content.form_factors), columns_(content.form_factors.ids()) {
+    starts_ = entries_->startsOfRows();
+    if (content.balanced) balanced_.emplace(*content.balanced);
   }
-  if (!rows.lower.empty())
-    for (const std::string name : {"lower", "upper"}) {
-      out.link(name, name + "_bounds/data");
-      of_pairs.push_back(name);
+  // Makes matrices whose entries others write.    In: starts: of rows among all entries, int64_t[rows + 1]
+  Matrices(const OutputContent& content, std::vector<int64_t> starts)
+      : content_(content), columns_(content.form_factors.ids()), starts_(std::move(starts)) {}
+
+  void addTo(Hdf5Output& out) const {
+    addMatrix(out, "form_factors", entries_, &RowColumns::formFactor);
+    addMatrix(out, "standard_errors", entries_, &RowColumns::standardError);
+    if (balanced_) addMatrix(out, "balanced_form_factors", balanced_, &RowColumns::formFactor);
+    if (content_.form_factors.hasIntervals()) {
+      addMatrix(out, "lower_bounds", entries_,
+                [&](const RowEntry& entry) { return entries_->intervalOf(entry).lower; });
+      addMatrix(out, "upper_bounds", entries_,
+                [&](const RowEntry& entry) { return entries_->intervalOf(entry).upper; });
     }
-  if (hasGuesses(content)) {
-    std::vector<uint8_t> is_guess;
-    EntryRows(content.form_factors).forEach([&](const RowEntry& entry) {
-      if (entry.j < kEnvironment) is_guess.push_back(isGuess(content, entry.i, entry.j));
-    });
-    out.write("is_guess", is_guess);
-    of_pairs.push_back("is_guess");
+    addPairs(out);
   }
-  for (const std::string& column : of_pairs) out.useScale(column, "pair");
-  for (const std::string& column : of_pairs)
-    if (column != "from" && column != "to") out.setAttribute(column, "units", std::string("1"));
-}
+
+ private:
+  // Adds a column with a value for each entry between rows.    In: entries: none where others write them
+  template <class T, class ValueOf>
+  void addColumn(Hdf5Output& out, const std::string& name, const std::optional<EntryRows>& entries,
+                 const ValueOf& valueOf) const {
+    std::function<void(ByteSink&)> make;
+    if (entries)
+      make = [&entries, valueOf](ByteSink& sink) {
+        entries->forEach([&](const RowEntry& entry) {
+          if (entry.j < kEnvironment) sink.put(static_cast<T>(valueOf(entry)));
+        });
+      };
+    out.writeLater<T>(name, static_cast<size_t>(starts_.back()), std::move(make));
+  }
+
+  // Adds a matrix with the columns and row starts of the form factors.
+  template <class ValueOf>
+  void addMatrix(Hdf5Output& out, const std::string& group, const std::optional<EntryRows>& entries,
+                 const ValueOf& valueOf) const {
+    addColumn<double>(out, group + "/data", entries, valueOf);
+    if (group == "form_factors") {
+      addColumn<int32_t>(out, group + "/indices", entries, [&](const RowEntry& entry) { return columns_.to(entry); });
+      out.write(group + "/indptr", starts_);
+    } else {
+      out.link(group + "/indices", "form_factors/indices");
+      out.link(group + "/indptr", "form_factors/indptr");
+    }
+    out.setAttribute(group, "encoding-type", std::string("csr_matrix"));
+    out.setAttribute(group, "encoding-version", std::string("0.1.0"));
+    out.setAttribute(group, "shape", std::vector<int64_t>(2, columns_.row_count));
+  }
+
+  // Links the columns of the groups to the names that users of xarray see. Links take no room.
+  void addPairs(Hdf5Output& out) const {
+    addColumn<int64_t>(out, "pair", entries_, [&](const RowEntry& entry) { return columns_.pair(entry); });
+    out.makeScale("pair");
+    out.setAttribute("pair", "compress", std::string("from to"));
+    addColumn<int32_t>(out, "from", entries_, [&](const RowEntry& entry) { return columns_.from(entry); });
+    out.link("to", "form_factors/indices");
+    out.link("form_factor", "form_factors/data");
+    out.link("standard_error", "standard_errors/data");
+    std::vector<std::string> of_pairs = {"form_factor", "standard_error", "from", "to"};
+    if (balanced_) {
+      out.link("balanced_form_factor", "balanced_form_factors/data");
+      of_pairs.push_back("balanced_form_factor");
+    }
+    if (content_.form_factors.hasIntervals())
+      for (const std::string name : {"lower", "upper"}) {
+        out.link(name, name + "_bounds/data");
+        of_pairs.push_back(name);
+      }
+    if (hasGuesses(content_)) {
+      addColumn<uint8_t>(out, "is_guess", entries_,
+                         [&](const RowEntry& entry) { return isGuess(content_, entry.i, entry.j); });
+      of_pairs.push_back("is_guess");
+    }
+    for (const std::string& column : of_pairs) out.useScale(column, "pair");
+    for (const std::string& column : of_pairs)
+      if (column != "from" && column != "to") out.setAttribute(column, "units", std::string("1"));
+  }
+
+  const OutputContent& content_;
+  std::optional<EntryRows> entries_, balanced_;
+  RowColumns columns_;
+  std::vector<int64_t> starts_;
+};
 
 void addRows(Hdf5Output& out, const OutputContent& content) {
   const FormFactors& form_factors = content.form_factors;
@@ -226,22 +287,9 @@ void addClosure(Hdf5Output& out, const FormFactors& form_factors) {
   out.setAttribute("/", "closure_rms", count > 0 ? std::sqrt(squares / count) : 0.0);
 }
 
-void addMatrices(Hdf5Output& file, const OutputContent& content) {
-  const SparseRows rows = compressRows(content.form_factors);
-  addMatrix(file, "form_factors", rows, rows.form_factors);
-  addMatrix(file, "standard_errors", rows, rows.standard_errors);
-  if (content.balanced) addMatrix(file, "balanced_form_factors", rows, compressRows(*content.balanced).form_factors);
-  if (!rows.lower.empty()) {
-    addMatrix(file, "lower_bounds", rows, rows.lower);
-    addMatrix(file, "upper_bounds", rows, rows.upper);
-  }
-  addPairs(file, rows, content);
-}
-
-std::vector<char> makeHdf5(const OutputContent& content) {
+// Adds everything but the matrices.
+void addRest(Hdf5Output& file, const OutputContent& content) {
   const FormFactors& form_factors = content.form_factors;
-  Hdf5Output file;
-  if (!content.has_environment_alone) addMatrices(file, content);
   addRows(file, content);
   if (content.heat) addHeat(file, form_factors.ids(), *content.heat);
   if (content.scene) addGeometry(file, *content.scene, form_factors.ids());
@@ -253,18 +301,66 @@ std::vector<char> makeHdf5(const OutputContent& content) {
   for (const auto& [name, value] : content.parameters) addParameter(file, name, value);
   if (form_factors.hasIntervals()) file.setAttribute("/", "unlisted_bound", form_factors.unlistedBound());
   if (form_factors.ids().rows_sum_to_one) addClosure(file, form_factors);
-  return file.finish();
+}
+
+// Makes the file, and passes it to finish(Hdf5Output&).
+void makeHdf5(const OutputContent& content, const std::function<void(Hdf5Output&)>& finish) {
+  std::optional<Matrices> matrices;
+  if (!content.has_environment_alone) matrices.emplace(content);
+  Hdf5Output file;
+  if (matrices) matrices->addTo(file);
+  addRest(file, content);
+  finish(file);
 }
 
 }  // namespace
 
 void writeHdf5(const OutputContent& content, std::ostream& out) {
-  const std::vector<char> bytes = makeHdf5(content);
-  out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  makeHdf5(content, [&](Hdf5Output& made) { made.finish(out); });
+}
+
+std::map<std::string, uint64_t> writeHdf5Frame(const OutputContent& rows, const std::vector<int64_t>& starts,
+                                               std::ostream& out) {
+  const Matrices matrices(rows, starts);
+  Hdf5Output frame;
+  matrices.addTo(frame);
+  addRest(frame, rows);
+  return frame.finishFrame(out);
+}
+
+void writeHdf5Block(const FormFactors& block, const std::vector<int64_t>& starts,
+                    const std::map<std::string, uint64_t>& places, const std::string& file) {
+  const EntryRows entries(block);
+  const RowColumns columns(block.ids());
+  const auto first =
+      static_cast<uint32_t>(std::ranges::find(block.ids().requested, true) - block.ids().requested.begin());
+  if (first == block.ids().count()) return;
+  errno = 0;
+  std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
+  const auto write = [&]<class T>(const char* name, T, const auto& valueOf) {
+    out.seekp(static_cast<std::streamoff>(places.at(name) + sizeof(T) * starts[columns.rows[first]]));
+    ByteSink sink(
+        [&](const std::vector<char>& bytes) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
+    entries.forEach([&](const RowEntry& entry) {
+      if (entry.j < kEnvironment) sink.put(static_cast<T>(valueOf(entry)));
+    });
+    sink.flush();
+  };
+  if (starts.back() > 0) {
+    write("form_factors/data", double(), &RowColumns::formFactor);
+    write("form_factors/indices", int32_t(), [&](const RowEntry& entry) { return columns.to(entry); });
+    write("standard_errors/data", double(), &RowColumns::standardError);
+    write("pair", int64_t(), [&](const RowEntry& entry) { return columns.pair(entry); });
+    write("from", int32_t(), [&](const RowEntry& entry) { return columns.from(entry); });
+  }
+  out.close();
+  if (!out)
+    throw Error(ErrorCode::output, fmt::format("{}: cannot write: {}; choose a place that all ranks can write to", file,
+                                               std::strerror(errno ? errno : EIO)));
 }
 
 void writeHtml(const OutputContent& content, const std::filesystem::path& file, std::ostream& out) {
-  writePage(readReport(makeHdf5(content), file.string()), out);
+  makeHdf5(content, [&](Hdf5Output& made) { writePage(readReport(made.finish(), file.string()), out); });
 }
 
 }  // namespace viewpeel

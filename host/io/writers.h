@@ -15,7 +15,8 @@ void writeRows(const OutputContent& content, std::ostream& out);
 // Writes the .npz of SciPy.    Throws: Error limit beyond 2^31 - 1 rows.
 void writeNpz(const FormFactors& form_factors, std::ostream& out);
 
-// Writes a .h5.    Throws: Error limit where memory is short, for the file is made in memory.
+// Writes a .h5. Its matrices are read from the form factors as they are written; the rest is made in memory.
+//   Throws: Error limit where memory is short.
 void writeHdf5(const OutputContent& content, std::ostream& out);
 
 // Writes one JSON object: parameters, rows and form factors.

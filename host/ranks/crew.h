@@ -27,6 +27,12 @@ enum class RankWork : uint8_t {
   count_lines,    // replicate, a range of pairs -> counts
   draw_uniform,   // tasks -> the same, done
   draw_strata,    // tasks -> the same, done
+  open_rows,      // ids, number of blocks, output -> nothing
+  count_rows,     // number of an engine, directions -> nothing; the rank keeps the counts
+  take_rows,      // block -> the part of the kept counts that touches it
+  add_rows,       // block of this rank, or none; counts of all ranks -> nothing
+  finish_rows,    // block of this rank, or none; areas -> BlockReport
+  write_rows,     // areas, starts, places, file -> nothing, after all blocks of the rank are written
   open_products,  // lattice, ids, materials -> nothing
   sum_products,   // directions, factors -> sums of products
   close_engine,

@@ -17,6 +17,7 @@
 #include "ranks/crew.h"
 #include "ranks/pause.h"
 #include "ranks/put_ids.h"
+#include "run/ranked_rows.h"
 #include "solve/ranked_products.h"
 #include "threads.h"
 
@@ -79,6 +80,13 @@ class Serving {
         return count(in);
       case RankWork::count_blocks:
         return countBlocks(in);
+      case RankWork::open_rows:
+      case RankWork::count_rows:
+      case RankWork::take_rows:
+      case RankWork::add_rows:
+      case RankWork::finish_rows:
+      case RankWork::write_rows:
+        return answerRows(work, in);
       case RankWork::open_products:
       case RankWork::sum_products:
         return products_.answer(work, in);
@@ -143,6 +151,21 @@ class Serving {
     return out.take();
   }
 
+  std::string answerRows(RankWork work, MessageReader& in) {
+    if (work == RankWork::open_rows) {
+      rows_ = openRows(in, ranks_);
+    } else if (!rows_) {
+      throw Error(ErrorCode::limit, "rank 0 asked for rows that were not opened");
+    } else if (work == RankWork::count_rows) {
+      Engine& engine = *engines_.at(in.get<uint64_t>()).engine;
+      const std::vector<Direction> directions = in.getAll<Direction>();
+      rows_->take(directions.empty() ? PairCounts{} : engine.count(directions));
+    } else {
+      return answerOfRows(*rows_, work, in);
+    }
+    return {};
+  }
+
   const Device* device() {
     if (!device_) device_.emplace(request_.device);
     return &*device_;
@@ -155,6 +178,7 @@ class Serving {
   std::atomic<bool> is_stopped_ = false;
   std::optional<Device> device_;
   std::map<uint64_t, Open> engines_;  // by the numbers that rank 0 gave them
+  std::unique_ptr<RowBlocks> rows_;
   LineServer lines_;
   ProductServer products_;
 };

@@ -5,6 +5,7 @@
 
 #include <fmt/format.h>
 
+#include "tests/support/python.h"
 #include "tests/support/running.h"
 
 namespace viewpeel {
@@ -99,7 +100,6 @@ TEST_F(RankProgram, SolvesAsARunAlone) {
   ASSERT_EQ(run(solve + file("alone.csv")).status, 0);
   ASSERT_EQ(runRanks(2, solve + file("shared.csv")).status, 0);
   EXPECT_EQ(readFile(file("shared.csv")), readFile(file("alone.csv")));
-}
   const std::string products = "solve " VIEWPEEL_SCENES "/office.obj --materials " VIEWPEEL_SCENES
                                "/office_materials.csv --matrix-free on --quiet -o ";
   ASSERT_EQ(run(products + file("alone.csv")).status, 0);
@@ -129,6 +129,7 @@ assert set(a.attrs) == set(b.attrs), set(a.attrs) ^ set(b.attrs)
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.output.find("give -o NAME.h5"), std::string::npos) << refused.output;
   EXPECT_EQ(run("compute " + kStreet + " --row-blocks 2 -o " + file("b.h5")).status, 2);
+}
 
 // Rank 0 prints once, whatever all ranks have met.
 TEST_F(RankProgram, SpeaksWithOneVoice) {

@@ -282,6 +282,40 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   EXPECT_NE(message("short.h5").find("2 values for 1"), std::string::npos) << message("short.h5");
 }
 
+// Columns that are made while the file is written are read like others, and the check sum holds for their bytes, too.
+// Sizes are not multiples of the check sum's words, and one column has more bytes than a block of ByteSink.
+TEST_F(CheckpointFile, ColumnsMayBeMadeWhileTheFileIsWritten) {
+  constexpr size_t kMany = 100'003;
+  const std::vector<int32_t> before{1, 2, 3};
+  const std::vector<double> after{0.5, -2};
+  Hdf5Output out;
+  out.write("before", before);
+  out.writeLater<uint8_t>("group/bytes", 5, [](ByteSink& sink) {
+    for (uint8_t k = 0; k < 5; ++k) sink.put(k);
+  });
+  out.writeLater<double>("group/many", kMany, [](ByteSink& sink) {
+    for (size_t k = 0; k < kMany; ++k) sink.put(1 / double(k + 1));
+  });
+  out.writeLater<int64_t>("none", 0, [](ByteSink&) {});
+  out.write("after", after);
+  out.makeScale("before");
+  out.useScale("group/many", "before");
+  std::ofstream stream(file("made.h5"), std::ios::binary);
+  out.finish(stream);
+  stream.close();
+  Hdf5Input in(file("made.h5"));
+  EXPECT_EQ(in.read<int32_t>("before"), before);
+  EXPECT_EQ(in.read<double>("after"), after);
+  EXPECT_EQ(in.read<uint8_t>("group/bytes"), (std::vector<uint8_t>{0, 1, 2, 3, 4}));
+  EXPECT_TRUE(in.read<int64_t>("none").empty());
+  const std::vector<double> many = in.read<double>("group/many", kMany);
+  for (size_t k = 0; k < kMany; ++k) ASSERT_EQ(many[k], 1 / double(k + 1));
+
+  Hdf5Output wrong;
+  wrong.writeLater<int32_t>("short", 2, [](ByteSink& sink) { sink.put(int32_t(1)); });
+  EXPECT_THROW(wrong.finish(), Error);
+}
+
 TEST(Fingerprint, ChangesWithAnyBitButNotWithThePlaceOfTheFile) {
   const InputScene room = ts::roomWithTouchingBoxes();
   const auto of = [](const InputScene& input) { return fingerprint(buildScene(input)); };

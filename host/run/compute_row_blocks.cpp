@@ -1,0 +1,177 @@
+#include <viewpeel/row_blocks.h>
+
+#include <algorithm>
+#include <fstream>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "directions/sampler.h"
+#include "engines/engine_factory.h"
+#include "io/hdf5_file.h"
+#include "io/hdf5_frame.h"
+#include "io/write_file.h"
+#include "run/ranked_rows.h"
+#include "run/settings.h"
+#include "run/setup.h"
+#include "run/summaries.h"
+#include "interrupted.h"
+#include "stopwatch.h"
+#include <viewpeel/error.h>
+
+namespace viewpeel {
+namespace {
+
+constexpr uint32_t kMostBlocks = 1'000'000;
+
+void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "--row-blocks: " + what); }
+
+void requireKind(const RowBlocksRequest& blocks) {
+  const Request& request = blocks.request;
+  const auto* amount = std::get_if<FixedAmount>(&request.goal);
+  if (!amount) refuse("counts a fixed number of directions; give --directions");
+  if (amount->finest) refuse("has no windows for small polygons; leave out --finest");
+  if (!request.question.isEverything()) refuse("is for the whole matrix; leave out --from, --pair and --blocker");
+  if (request.unoccluded.value_or(false) || request.pair_lines.value_or(false) || request.promise.value_or(false))
+    refuse("takes common directions alone; leave out --unoccluded, --pair-lines and --promise");
+  if (request.balance) refuse("cannot balance a matrix that no process holds; leave out --balance");
+  if (request.engine == EngineKind::exact) refuse("takes an engine that counts; leave out --engine exact");
+  if (blocks.block_count < 1 || blocks.block_count > kMostBlocks)
+    refuse(fmt::format("{} is not a number of blocks from 1 to {}", blocks.block_count, kMostBlocks));
+  if (blocks.output.extension() != ".h5") refuse("writes a .h5, block by block; give -o NAME.h5 and no other output");
+}
+
+Request settled(Request request) {
+  request.unoccluded = false;
+  request.pair_lines = false;
+  return request;
+}
+
+class RowBlocksRun {
+ public:
+  RowBlocksRun(const Scene& scene, const RowBlocksRequest& request, const Observer& observer)
+      : scene_(scene),
+        request_(request),
+        observer_(observer),
+        setup_(
+            scene, settled(request.request), [this](uint64_t directions) { show(directions); }, [this] { stop(); }),
+        lattice_(setup_.lattices().lattice) {
+    if (setup_.resolution()) lattice_.resolution = setup_.resolution();
+    engine_ = latticeEngines(setup_.engine(), setup_.device())(scene, setup_.ids(), lattice_);
+    directions_ = setup_.estimate().directions;
+    measure_area_ = engine_->unitArea() * scene.scale * scene.scale / directions_;
+  }
+
+  RowBlocksSummary run() {
+    try {
+      count();
+      write();
+    } catch (const Interrupted&) {
+      summary_.interrupted = true;
+    }
+    summary_.seconds = secondsSince(start_);
+    return summary_;
+  }
+
+ private:
+  void stop() const {
+    if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
+  }
+  void show(uint64_t directions) {
+    stop();
+    progress_.phase = Progress::Phase::counting;
+    progress_.directions = directions, progress_.directions_of_replicate = directions_;
+    progress_.replicates = summary_.replicates;
+    if (observer_.on_progress) observer_.on_progress(progress_);
+  }
+
+  void count() {
+    rows_.emplace(setup_.crew(), *engine_, setup_.ids(), setup_.engine(), lattice_, request_.block_count,
+                  request_.output);
+    const Request& request = setup_.request();
+    for (uint32_t replicate = 0; replicate < setup_.estimate().replicates; ++replicate) {
+      rows_->add(
+          sampleDirections(setup_.estimate().sampler, directions_, request.seed, request.first_replicate + replicate));
+      ++summary_.replicates;
+      summary_.directions += directions_;
+      show(0);
+    }
+  }
+
+  // Collects what the frame of the file has: rows, and where each begins.
+  void write() {
+    const Ids& ids = setup_.ids();
+    const std::vector<uint32_t> rows = ids.rows();
+    std::vector<int64_t> starts(ids.rowCount() + 1, 0);
+    std::vector<FormFactors::Entry> outside;
+    std::vector<Measured> row_sums;
+    const double count_area = measure_area_ * double(summary_.directions) / double(summary_.replicates);
+    for (uint32_t block = 0; block < request_.block_count; ++block) {
+      const BlockReport report = rows_->finish(block, measure_area_, count_area);
+      uint64_t entries = 0;
+      for (size_t k = 0; k < report.entry_counts.size(); ++k) {
+        starts[rows[row_sums.size() + k] + 1] = static_cast<int64_t>(report.entry_counts[k]);
+        entries += report.entry_counts[k];
+      }
+      summary_.entries += entries;
+      summary_.most_entries_of_block = std::max(summary_.most_entries_of_block, entries);
+      summary_.largest_standard_error = std::max(summary_.largest_standard_error, report.largest_standard_error);
+      outside.insert(outside.end(), report.outside.begin(), report.outside.end());
+      row_sums.insert(row_sums.end(), report.row_sums.begin(), report.row_sums.end());
+      stop();
+    }
+    for (size_t row = 1; row < starts.size(); ++row) starts[row] += starts[row - 1];
+    const FormFactors of_rows(ids, std::move(outside), std::move(row_sums));
+    summary_.closure = measureClosure(of_rows);
+    summary_.environment_share = shareOf(of_rows, kEnvironment);
+    summary_.leak_share = shareOf(of_rows, kLeak);
+    const OutputContent content{.form_factors = of_rows, .scene = &scene_, .parameters = parameters()};
+    writeFileByName(request_.output, [&](const std::string& name) {
+      std::ofstream out(name, std::ios::binary);
+      const std::map<std::string, uint64_t> places = writeHdf5Frame(content, starts, out);
+      out.close();
+      if (!out)
+        throw Error(ErrorCode::output, fmt::format("{}: cannot write; choose another place", request_.output.string()));
+      rows_->write(measure_area_, count_area, starts, places, name);
+      endFrame(name);
+    });
+  }
+
+  // Returns the attributes of the file, as an ordinary run has them.
+  std::vector<std::pair<std::string, std::string>> parameters() const {
+    Settings settings = settingsOf(setup_);
+    settings.insert(settings.end(), {{"--unoccluded", "off"},
+                                     {"--directions", std::to_string(directions_)},
+                                     {"--resolution", std::to_string(lattice_.resolution)},
+                                     {"--finest", "0"}});
+    Estimate estimate{FormFactors({}, {}, {}), FormFactors({}, {}, {})};
+    estimate.replicates = summary_.replicates, estimate.directions = summary_.directions;
+    estimate.largest_standard_error = summary_.largest_standard_error;
+    auto parameters = parametersOf(settings, estimate);
+    parameters.insert(parameters.end(), request_.parameters.begin(), request_.parameters.end());
+    return parameters;
+  }
+
+  const Scene& scene_;
+  const RowBlocksRequest& request_;
+  const Observer& observer_;
+  const Clock::time_point start_ = Clock::now();
+  Setup setup_;
+  LatticeOptions lattice_;
+  std::unique_ptr<Engine> engine_;
+  uint32_t directions_ = 0;  // of a replicate
+  double measure_area_ = 0;  // as in ReplicateSums
+  std::optional<RankedRows> rows_;
+  Progress progress_;
+  RowBlocksSummary summary_;
+};
+
+}  // namespace
+
+RowBlocksSummary computeRowBlocks(const Scene& scene, const RowBlocksRequest& request, const Observer& observer) {
+  requireKind(request);
+  checkRequest(settled(request.request));
+  return RowBlocksRun(scene, request, observer).run();
+}
+
+}  // namespace viewpeel

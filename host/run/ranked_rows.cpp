@@ -1,0 +1,145 @@
+#include "run/ranked_rows.h"
+
+#include <utility>
+
+#include "engines/ranked_engine.h"
+#include "ranks/put_ids.h"
+#include "sums/pair_count.h"
+
+namespace viewpeel {
+namespace {
+
+constexpr uint32_t kNoBlock = 0xFFFFFFFFu;
+
+void putPlaces(MessageWriter& out, const std::map<std::string, uint64_t>& places) {
+  out.put(uint64_t(places.size()));
+  for (const auto& [name, place] : places) out.putAll(name).put(place);
+}
+std::map<std::string, uint64_t> getPlaces(MessageReader& in) {
+  std::map<std::string, uint64_t> places;
+  for (auto count = in.get<uint64_t>(); count > 0; --count) {
+    const std::string name = in.getText();
+    places[name] = in.get<uint64_t>();
+  }
+  return places;
+}
+
+// Writes all blocks of a rank.
+void writeBlocks(RowBlocks& blocks, uint32_t rank, double measure_area, double count_area,
+                 const std::vector<int64_t>& starts, const std::map<std::string, uint64_t>& places,
+                 const std::string& file) {
+  for (uint32_t block = 0; block < blocks.count(); ++block)
+    if (blocks.ownerOf(block) == rank) blocks.write(block, measure_area, count_area, starts, places, file);
+}
+
+}  // namespace
+
+RankedRows::RankedRows(Crew* crew, Engine& engine, const Ids& ids, EngineKind kind, const LatticeOptions& lattice,
+                       uint32_t block_count, const std::filesystem::path& beside)
+    : crew_(crew), engine_(engine), blocks_(ids, block_count, 0, crew ? crew->size() : 1, beside) {
+  if (!crew_) return;
+  number_ = crew_->newNumber();
+  MessageWriter engines, rows;
+  engines.put(RankWork::open_engine).put(number_).put(kind);
+  putLattice(engines, lattice);
+  putIds(engines, ids);
+  rows.put(RankWork::open_rows).put(block_count).putAll(std::filesystem::absolute(beside).string());
+  putIds(rows, ids);
+  for (const std::string& question : {engines.take(), rows.take()})
+    crew_->share([&](uint32_t) { return question; }, [] {});
+}
+
+void RankedRows::add(std::span<const Direction> directions) {
+  const std::vector<size_t> cuts =
+      crew_ ? crew_->cut(std::vector<double>(directions.size(), 1.0)) : std::vector<size_t>{0, directions.size()};
+  const auto partOf = [&](size_t rank) { return directions.subspan(cuts[rank], cuts[rank + 1] - cuts[rank]); };
+  const auto countHere = [&] { blocks_.take(partOf(0).empty() ? PairCounts{} : engine_.count(partOf(0))); };
+  if (!crew_) {
+    countHere();
+    for (uint32_t block = 0; block < blocks_.count(); ++block) blocks_.add(block, blocks_.partOf(block));
+    return;
+  }
+  crew_->share(
+      [&](uint32_t rank) { return MessageWriter().put(RankWork::count_rows).put(number_).putAll(partOf(rank)).take(); },
+      countHere);
+  for (uint32_t block = 0; block < blocks_.count(); ++block) {
+    PairCounts counts;
+    const std::string question = MessageWriter().put(RankWork::take_rows).put(block).take();
+    for (const std::string& answer :
+         crew_->share([&](uint32_t) { return question; }, [&] { counts = blocks_.partOf(block); }))
+      counts = addCounts(counts, MessageReader(answer).getAll<PairCount>());
+    const uint32_t owner = blocks_.ownerOf(block);
+    crew_->share(
+        [&](uint32_t rank) {
+          return MessageWriter()
+              .put(RankWork::add_rows)
+              .put(rank == owner ? block : kNoBlock)
+              .putAll(rank == owner ? counts : PairCounts{})
+              .take();
+        },
+        [&] {
+          if (owner == 0) blocks_.add(block, counts);
+        });
+  }
+}
+
+BlockReport RankedRows::finish(uint32_t block, double measure_area, double count_area) {
+  const uint32_t owner = blocks_.ownerOf(block);
+  if (!crew_) return blocks_.finish(block, measure_area, count_area);
+  BlockReport report;
+  const std::vector<std::string> answers = crew_->share(
+      [&](uint32_t rank) {
+        return MessageWriter()
+            .put(RankWork::finish_rows)
+            .put(rank == owner ? block : kNoBlock)
+            .put(measure_area)
+            .put(count_area)
+            .take();
+      },
+      [&] {
+        if (owner == 0) report = blocks_.finish(block, measure_area, count_area);
+      });
+  if (owner == 0) return report;
+  MessageReader in(answers[owner - 1]);
+  return BlockReport::get(in);
+}
+
+void RankedRows::write(double measure_area, double count_area, const std::vector<int64_t>& starts,
+                       const std::map<std::string, uint64_t>& places, const std::string& file) {
+  const auto writeHere = [&] { writeBlocks(blocks_, 0, measure_area, count_area, starts, places, file); };
+  if (!crew_) return writeHere();
+  MessageWriter out;
+  out.put(RankWork::write_rows).put(measure_area).put(count_area).putAll(starts);
+  putPlaces(out, places);
+  const std::string question = out.putAll(std::filesystem::absolute(file).string()).take();
+  crew_->share([&](uint32_t) { return question; }, writeHere);
+}
+
+std::unique_ptr<RowBlocks> openRows(MessageReader& in, const Ranks& ranks) {
+  const auto block_count = in.get<uint32_t>();
+  const std::string beside = in.getText();
+  return std::make_unique<RowBlocks>(getIds(in), block_count, ranks.rank(), ranks.size(), beside);
+}
+
+std::string answerOfRows(RowBlocks& blocks, RankWork work, MessageReader& in) {
+  if (work == RankWork::take_rows) return MessageWriter().putAll(blocks.partOf(in.get<uint32_t>())).take();
+  if (work == RankWork::add_rows) {
+    const auto block = in.get<uint32_t>();
+    if (block != kNoBlock) blocks.add(block, in.getAll<PairCount>());
+    return {};
+  }
+  if (work == RankWork::finish_rows) {
+    const auto block = in.get<uint32_t>();
+    const auto measure_area = in.get<double>(), count_area = in.get<double>();
+    MessageWriter out;
+    if (block != kNoBlock) blocks.finish(block, measure_area, count_area).put(out);
+    return out.take();
+  }
+  const auto measure_area = in.get<double>(), count_area = in.get<double>();
+  const std::vector<int64_t> starts = in.getAll<int64_t>();
+  const std::map<std::string, uint64_t> places = getPlaces(in);
+  writeBlocks(blocks, blocks.rank(), measure_area, count_area, starts, places, in.getText());
+  return {};
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,77 @@
+// RowBlocks are the blocks of rows that one rank holds: include/viewpeel/row_blocks.h.
+#pragma once
+#include <cstdint>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <viewpeel/form_factors.h>
+#include "ranks/message.h"
+#include "sums/replicate_sums.h"
+
+namespace viewpeel {
+
+// A RowBlock has the rows `first` to end - 1. Its pairs are all that touch one of them.
+struct RowBlock {
+  uint32_t first = 0, end = 0;
+
+  bool has(uint32_t id) const { return id >= first && id < end; }
+};
+// Returns block k of n blocks of count rows.
+RowBlock rowBlock(uint32_t count, uint32_t k, uint32_t n);
+
+// A BlockReport is what rank 0 learns of a block at the end.
+struct BlockReport {
+  std::vector<uint64_t> entry_counts;       // of each row of the block: entries between rows
+  std::vector<FormFactors::Entry> outside;  // environment and leak of its rows
+  std::vector<Measured> row_sums;           // of each row of the block
+  double largest_standard_error = 0;
+
+  void put(MessageWriter& out) const;
+  static BlockReport get(MessageReader& in);
+};
+
+// RowBlocks add up the counts of some blocks of rows over replicates.
+class RowBlocks {
+ public:
+  //   In: ids: of all rows; block_count: of all ranks; rank, ranks: this rank has the blocks rank, rank + ranks, ...;
+  //     beside: blocks that are not in use wait in unnamed files in the folder of this file
+  //   Throws: Error output where this rank has several blocks, and the folder cannot be written to.
+  RowBlocks(Ids ids, uint32_t block_count, uint32_t rank, uint32_t ranks, const std::filesystem::path& beside);
+  ~RowBlocks();
+
+  uint32_t count() const { return block_count_; }
+  uint32_t rank() const { return rank_; }
+  uint32_t ownerOf(uint32_t block) const { return block % ranks_; }
+
+  // Takes the counts that this rank has made of one replicate, until the next call.
+  void take(PairCounts counts) { counts_ = std::move(counts); }
+  // Returns the part of the taken counts that touches a block of any rank, sorted.
+  PairCounts partOf(uint32_t block) const;
+  // Adds a replicate to a block of this rank.    In: counts: of all ranks
+  void add(uint32_t block, const PairCounts& counts);
+
+  // Makes form factors of the sums of a block of this rank, and keeps them for write().
+  //   In: measure_area, count_area: as in ReplicateSums
+  BlockReport finish(uint32_t block, double measure_area, double count_area);
+  // Writes the entries of a block: writeHdf5Block.
+  void write(uint32_t block, double measure_area, double count_area, const std::vector<int64_t>& starts,
+             const std::map<std::string, uint64_t>& places, const std::string& file);
+
+ private:
+  struct Sums;
+  struct Waiting;
+  Sums& use(uint32_t block);
+  void letWait();
+  FormFactors formFactors(uint32_t block, double measure_area, double count_area);
+
+  Ids ids_;
+  uint32_t block_count_, rank_, ranks_;
+  PairCounts counts_;
+  std::unique_ptr<Sums> sums_;                            // of the block in use
+  std::map<uint32_t, std::unique_ptr<Waiting>> waiting_;  // all blocks of this rank
+};
+
+}  // namespace viewpeel

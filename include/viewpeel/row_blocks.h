@@ -1,0 +1,50 @@
+// computeRowBlocks() computes matrices that no process could hold: each holds blocks of rows.
+#pragma once
+#include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <viewpeel/compute.h>
+
+namespace viewpeel {
+
+struct RowBlocksRequest {
+  // Form factors that are counted: its goal is a FixedAmount without `finest`, of the whole matrix, by a lattice
+  // engine, without unoccluded form factors, pair lines or balance.
+  Request request;
+  // Rows are divided into this number of blocks of about equal size. Block k belongs to rank k mod (number of ranks). A
+  // rank holds one of its blocks in memory; others wait in unnamed files beside the output.
+  uint32_t block_count = 1;
+  std::filesystem::path output;                                   // .h5, where all ranks can write
+  std::vector<std::pair<std::string, std::string>> parameters{};  // further attributes of the file
+};
+
+// RowBlocksSummary says what was written.
+struct RowBlocksSummary {
+  uint64_t replicates = 0, directions = 0;  // directions of all replicates
+  uint64_t entries = 0;                     // nonzero form factors between rows: F_ij and F_ji count as two
+  double largest_standard_error = 0;        // of all form factors, environment and leak included
+  Closure closure;
+  double environment_share = 0, leak_share = 0;  // of all emitted radiation
+  uint64_t most_entries_of_block = 0;            // entries of the largest block
+  double seconds = 0;
+  bool interrupted = false;  // the observer stopped it; nothing is written
+};
+
+// Counts form factors and writes them to a .h5, without ever holding the matrix.
+//   After each replicate the counts of a block go to the rank that it belongs to. At the end each rank writes its
+//   blocks into one file.
+//   In: scene; request: Request::ranks may be several, whose others call serveRanks(); observer: on_progress and
+//     should_stop
+//   Out: see RowBlocksSummary. The file has the form factors, standard errors and rows of computeFormFactors() for the
+//     same request, to the same bits, for any number of blocks and ranks.
+//   Error: as computeFormFactors(). Tests: tests/unit/row_blocks_test.cpp, tests/program/ranks_test.cpp.
+//   Throws: as computeFormFactors(); Error bad_usage for a request that is not of this kind; Error output where a file
+//     cannot be written.
+//   Cost: counting as computeFormFactors(). Memory of a rank: the scene, the counts of its directions of one replicate,
+//     and the sums of one block, 48 bytes a pair that touches its rows; at the end 40 bytes a pair more. Disk: the
+//     file, and 48 bytes a pair that waits.
+RowBlocksSummary computeRowBlocks(const Scene& scene, const RowBlocksRequest& request, const Observer& observer = {});
+
+}  // namespace viewpeel

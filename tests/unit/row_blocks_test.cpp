@@ -1,0 +1,130 @@
+// A matrix that is computed in blocks of rows has the bits of one that is in memory as a whole.
+#include <viewpeel/row_blocks.h>
+
+#include <gtest/gtest.h>
+
+#include <viewpeel/error.h>
+#include <viewpeel/ranks.h>
+#include <viewpeel/read.h>
+#include <viewpeel/write.h>
+
+#include "io/hdf5_file.h"
+#include "scenes/generate.h"
+#include "tests/support/test_folder.h"
+#include "tests/support/thread_ranks.h"
+
+namespace viewpeel {
+namespace {
+
+class RowBlocks : public TestFolder {
+ protected:
+  std::filesystem::path file(const std::string& name) const { return folder_ / name; }
+  static Request fixed(By by = By::polygon) {
+    Request request;
+    request.by = by;
+    request.engine = EngineKind::host;
+    request.goal = FixedAmount{.directions = 20, .replicates = 3, .resolution = 64};
+    request.threads = 1;
+    return request;
+  }
+  RowBlocksSummary compute(const Scene& scene, const Request& request, uint32_t blocks, const std::string& name) {
+    return computeRowBlocks(scene, {.request = request, .block_count = blocks, .output = file(name)});
+  }
+  // Compares all columns of two files.
+  void expectSameColumns(const std::string& a, const std::string& b) {
+    SCOPED_TRACE(a);
+    Hdf5Input one(file(a), "result", ""), other(file(b), "result", "");
+    for (const char* name :
+         {"form_factors/data", "standard_errors/data", "area", "environment", "environment_standard_error", "leak",
+          "leak_standard_error", "row_sum", "row_sum_standard_error"}) {
+      const std::vector<double> values = one.read<double>(name);
+      EXPECT_FALSE(values.empty()) << name;
+      EXPECT_EQ(values, other.read<double>(name)) << name;
+    }
+    for (const char* name : {"form_factors/indices", "from"})
+      EXPECT_EQ(one.read<int32_t>(name), other.read<int32_t>(name)) << name;
+    for (const char* name : {"form_factors/indptr", "pair"})
+      EXPECT_EQ(one.read<int64_t>(name), other.read<int64_t>(name)) << name;
+    EXPECT_EQ(one.readTexts("name"), other.readTexts("name"));
+  }
+};
+
+TEST_F(RowBlocks, GiveTheFileOfAWholeMatrix) {
+  const Scene scene = buildScene(bench::city(400));
+  for (const By by : {By::polygon, By::surface}) {
+    Request request = fixed(by);
+    request.unoccluded = false;
+    const Result whole = computeFormFactors(scene, request);
+    writeFormFactors({.form_factors = whole.form_factors, .scene = &scene}, file("whole.h5"));
+    for (const uint32_t blocks : {1u, 2u, 7u, 1000u}) {
+      const RowBlocksSummary found = compute(scene, request, blocks, "blocks.h5");
+      expectSameColumns("blocks.h5", "whole.h5");
+      EXPECT_EQ(found.largest_standard_error, whole.largest_standard_error);
+      EXPECT_EQ(found.closure.largest_error, whole.closure.largest_error);
+      EXPECT_EQ(found.environment_share, whole.environment_share);
+      EXPECT_EQ(found.replicates, 3u);
+      // Readers that verify the check sum take the file.
+      EXPECT_EQ(readResult(file("blocks.h5")).form_factors.entries().size(), whole.form_factors.entries().size());
+    }
+  }
+  Request other = fixed();
+  other.seed = 2;
+  compute(scene, other, 3, "other.h5");
+  Hdf5Input one(file("other.h5"), "result", ""), two(file("blocks.h5"), "result", "");
+  EXPECT_NE(one.read<double>("form_factors/data"), two.read<double>("form_factors/data"));
+}
+
+TEST_F(RowBlocks, AreSharedByRanks) {
+  const Scene scene = buildScene(bench::city(300));
+  const Request request = fixed();
+  compute(scene, request, 1, "alone.h5");
+  for (const uint32_t size : {2u, 3u, 5u})
+    for (const uint32_t blocks : {1u, size, 2 * size + 1}) {
+      test::withRanks(
+          size, [&](Ranks& ranks) { serveRanks(ranks, scene, request); },
+          [&](Ranks& ranks) {
+            Request shared = request;
+            shared.ranks = &ranks;
+            compute(scene, shared, blocks, "shared.h5");
+          });
+      expectSameColumns("shared.h5", "alone.h5");
+    }
+}
+
+TEST_F(RowBlocks, RefuseWhatNeedsTheWholeMatrix) {
+  const Scene scene = buildScene(bench::city(60));
+  const auto refuses = [&](const Request& request, const std::string& part, uint32_t blocks = 2,
+                           const std::string& name = "a.h5") {
+    try {
+      compute(scene, request, blocks, name);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::bad_usage);
+      EXPECT_NE(std::string(error.what()).find(part), std::string::npos) << error.what();
+      return;
+    }
+    ADD_FAILURE() << "nothing says " << part;
+  };
+  Request tolerance = fixed(), from = fixed(), balance = fixed(), windows = fixed();
+  tolerance.goal = Tolerance{};
+  from.question.from = {scene.surfaces[0].name};
+  balance.balance = true;
+  windows.goal = FixedAmount{.directions = 20, .replicates = 3, .resolution = 64, .finest = 256};
+  refuses(tolerance, "give --directions");
+  refuses(from, "leave out --from");
+  refuses(balance, "leave out --balance");
+  refuses(windows, "leave out --finest");
+  refuses(fixed(), "0 is not a number of blocks", 0);
+  refuses(fixed(), "give -o NAME.h5", 2, "a.csv");
+}
+
+TEST_F(RowBlocks, AStoppedRunWritesNothing) {
+  const Scene scene = buildScene(bench::city(60));
+  const RowBlocksSummary found = computeRowBlocks(scene, {.request = fixed(), .block_count = 2, .output = file("a.h5")},
+                                                  {.should_stop = [] { return true; }});
+  EXPECT_TRUE(found.interrupted);
+  EXPECT_FALSE(std::filesystem::exists(file("a.h5")));
+  EXPECT_THROW(compute(scene, fixed(), 2, "no_such_folder/a.h5"), Error);
+}
+
+}  // namespace
+}  // namespace viewpeel
