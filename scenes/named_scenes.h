@@ -148,7 +148,7 @@ inline InputScene roomWithTouchingBoxes() {
 // Returns triangles of random size and direction in a ball, with random fronts. They may cross, so the scene is for
 // tests that compare two engines.
 inline InputScene triangleSoup(int count, double size, uint64_t seed) {
-  InputScene scene{"triangle soup, seed " + std::to_string(seed), {}, {}};
+  InputScene scene{std::string("triangle soup, seed ").append(std::to_string(seed)), {}, {}};
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto point = [&] { return glm::dvec3(uniform(random), uniform(random), uniform(random)); };

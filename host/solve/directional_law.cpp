@@ -106,7 +106,7 @@ DirectionalLaw readDirectionalLaw(const std::string& file) {
       continue;
     if (!splitLine(line, fields) || fields.size() != 2) place.refuse("a line has an angle and a value; correct it");
     if (!has_header) {
-      if (fields[0] + "," + fields[1] != kHeader)
+      if (fmt::format("{},{}", fields[0], fields[1]) != kHeader)
         place.refuse(fmt::format("the header is not {}; correct it", kHeader));
       has_header = true;
       continue;
