@@ -19,10 +19,8 @@
 #include "program/request_options.h"
 #include "program/result_json.h"
 #include "program/solve_command.h"
-#include "program/stored_run.h"
 #include "program/summary.h"
 #include "program/warnings.h"
-#include "run/settings.h"
 #include <viewpeel/error.h>
 #include <viewpeel/ranks.h>
 #include <viewpeel/write.h>
@@ -50,6 +48,71 @@ void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution)
     warn(fmt::format("{}: no radiation leaves the scene, so that its environment has no effect", table.file));
 }
 
+void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
+  if (!command.exchange) return;
+  const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
+  for (const std::string& output : command.outputs)
+    writeExchange(factors, *command.exchange, exchangeFileOf(output, *command.exchange));
+  if (!command.talks()) return;
+  fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
+  if (factors.dropped)
+    fmt::print("; {} below {} were dropped, {:.2g} of a row at most, and the rest balanced",
+               counted(factors.dropped, "pair"), command.drop_below, factors.largest_dropped_share);
+  fmt::print("\n");
+}
+
+void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
+              const OutputContent& content) {
+  warnOfEnvironment(table, solution);
+  writeHeatOutputs(content, command.request.by, command.outputs);
+  if (!command.talks()) return;
+  fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
+}
+
+void printJson(const SolveCommand& command, const HeatSolution& heat, const FormFactors& form_factors,
+               const Estimate& estimate, const SceneHeat* found) {
+  Json report = startReport();
+  if (found) {
+    addResult(report, found->form_factors);
+    report["runs"] = found->runs;
+    report["goal_reached"] = found->is_reached && found->form_factors.goal_reached;
+  } else {
+    addEstimate(report, estimate);
+  }
+  addHeat(report, heat, command.request.by);
+  report["files"] = jsonOf(command.files);
+  printReport(std::move(report), OutputContent{form_factors});
+}
+
+namespace {
+
+// Warns of temperatures that look like degrees Celsius: the highest of all is above 0 and below 100 K.
+void warnOfCelsius(const MaterialTable& table) {
+  constexpr double kBoiling = 100;  // degrees Celsius; rooms, cities and spacecraft are warmer in kelvins
+  double highest = table.environment_temperature.value_or(0);
+  if (const auto& parts = table.sky_and_ground) highest = std::max(parts->up, parts->down);
+  for (const MaterialTable::Line& line : table.lines)
+    highest = std::max(highest, line.material.temperature.value_or(0));
+  if (highest > 0 && highest < kBoiling)
+    warn(fmt::format(
+        "{}: no temperature is above {} K; temperatures are in kelvins, and 20 degrees Celsius are 293.15 K",
+        table.file, highest));
+}
+
+}  // namespace
+
+MaterialTable readTable(const SolveCommand& command) {
+  MaterialTable table = readMaterials(command.materials);
+  warnOfCelsius(table);
+  if (command.up && !table.sky_and_ground)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("--up: {} has neither environment:up nor environment:down; leave out --up, or give them "
+                            "temperatures",
+                            command.materials));
+  if (command.up) table.up = *command.up;
+  return table;
+}
+
 namespace {
 
 // Reads "0.1K", "2W/m2", "1%" or "0.01".    Throws: CLI::ValidationError.
@@ -71,116 +134,6 @@ const std::map<std::string, ExchangeKind> kExchangeKinds = {{"gebhart", Exchange
                                                             {"script-f", ExchangeKind::script_f},
                                                             {"esatan", ExchangeKind::esatan},
                                                             {"sinda", ExchangeKind::sinda}};
-
-// Writes exchange factors beside each output.
-void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure) {
-  if (!command.exchange) return;
-  const ExchangeFactors factors = findExchangeFactors(form_factors, enclosure, command.drop_below);
-  for (const std::string& output : command.outputs)
-    writeExchange(factors, *command.exchange, exchangeFileOf(output, *command.exchange));
-  if (!command.talks()) return;
-  fmt::print("exchange   {}", counted(factors.entries.size(), "conductor"));
-  if (factors.dropped)
-    fmt::print("; {} below {} were dropped, {:.2g} of a row at most, and the rest balanced",
-               counted(factors.dropped, "pair"), command.drop_below, factors.largest_dropped_share);
-  fmt::print("\n");
-}
-
-// Writes answers and the form factors that they were computed from.
-//   In: content: with the solution in content.heat
-void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
-              const OutputContent& content) {
-  warnOfEnvironment(table, solution);
-  writeHeatOutputs(content, command.request.by, command.outputs);
-  if (!command.talks()) return;
-  fmt::print("{}{}", describeMaterials(table, solution), describeHeat(solution, command.request.by));
-}
-
-// Prints answers, and the form factors that they were computed from, as JSON.
-//   In: found: the run on a scene; nullptr where form factors come from checkpoints
-void printJson(const SolveCommand& command, const HeatSolution& heat, const FormFactors& form_factors,
-               const Estimate& estimate, const SceneHeat* found) {
-  Json report = startReport();
-  if (found) {
-    addResult(report, found->form_factors);
-    report["runs"] = found->runs;
-    report["goal_reached"] = found->is_reached && found->form_factors.goal_reached;
-  } else {
-    addEstimate(report, estimate);
-  }
-  addHeat(report, heat, command.request.by);
-  report["files"] = jsonOf(command.files);
-  printReport(std::move(report), OutputContent{form_factors});
-}
-
-// Warns of temperatures that look like degrees Celsius: the highest of all is above 0 and below 100 K.
-void warnOfCelsius(const MaterialTable& table) {
-  constexpr double kBoiling = 100;  // degrees Celsius; rooms, cities and spacecraft are warmer in kelvins
-  double highest = table.environment_temperature.value_or(0);
-  if (const auto& parts = table.sky_and_ground) highest = std::max(parts->up, parts->down);
-  for (const MaterialTable::Line& line : table.lines)
-    highest = std::max(highest, line.material.temperature.value_or(0));
-  if (highest > 0 && highest < kBoiling)
-    warn(fmt::format(
-        "{}: no temperature is above {} K; temperatures are in kelvins, and 20 degrees Celsius are 293.15 K",
-        table.file, highest));
-}
-
-MaterialTable readTable(const SolveCommand& command) {
-  MaterialTable table = readMaterials(command.materials);
-  warnOfCelsius(table);
-  if (command.up && !table.sky_and_ground)
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("--up: {} has neither environment:up nor environment:down; leave out --up, or give them "
-                            "temperatures",
-                            command.materials));
-  if (command.up) table.up = *command.up;
-  return table;
-}
-
-// Measures form factors to sky and ground for the form factors of checkpoints, to the same standard error.
-EnvironmentParts measureStoredParts(const SolveCommand& command, const StoredRun& run, const MaterialTable& table,
-                                    const Ids& ids, double standard_error) {
-  if (!run.scene())
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("{}: form factors do not tell sky from ground, as {} does; give the SCENE, too",
-                            command.stored.front(), command.materials));
-  EnvironmentRequest request{.by = command.request.by, .two_sided = ids.two_sided, .up = table.up};
-  request.tolerance = standard_error > 0 ? standard_error : Tolerance{}.standard_error;
-  request.seed = command.request.seed;
-  return measureEnvironment(*run.scene(), request);
-}
-
-// Solves with form factors from checkpoints.
-int solveStored(const SolveCommand& command) {
-  const MaterialTable table = readTable(command);
-  checkMatrixFree(command, table);
-  StoredRun run(command.stored, command.scene, command.groups);
-  run.requireErrors();
-  const Estimate estimate = run.estimate();
-  const std::vector<std::string>& surface_names = estimate.between_surfaces.ids().names;
-  const bool is_by_surface = command.request.by == By::surface;
-  const FormFactors& form_factors = is_by_surface ? estimate.between_surfaces : estimate.form_factors;
-  if (!is_by_surface && findSetting(run.merged().settings, "--by") == "surface")
-    throw Error(ErrorCode::bad_usage,
-                fmt::format("{}: its rows are surfaces; leave out --by polygon", command.stored.front()));
-  Enclosure enclosure = assignMaterials(table, form_factors.ids(), surface_names);
-  if (enclosure.sky_and_ground)
-    enclosure.environment_parts =
-        measureStoredParts(command, run, table, form_factors.ids(), estimate.largest_standard_error);
-  const HeatSolution solution = solveHeat(form_factors, enclosure);
-  auto parameters = parametersOf(run.merged().settings, estimate);
-  parameters.emplace_back("command", commandLine());
-  conclude(command, table, solution,
-           {.form_factors = form_factors, .scene = run.scene(), .parameters = parameters, .heat = &solution});
-  writeExchanges(command, form_factors, enclosure);
-  if (command.json) printJson(command, solution, form_factors, estimate, nullptr);
-  if (command.talks())
-    fmt::print("work       form factors of {}, {}, {}{}\n", command.stored.front(),
-               counted(estimate.replicates, "replicate"), counted(estimate.directions, "direction"),
-               describeDirected(estimate));
-  return 0;
-}
 
 int solveFile(const SolveCommand& command) {
   const MaterialTable table = readTable(command);
@@ -364,8 +317,8 @@ void addSolve(CLI::App& app, Run& chosen, Job& job) {
             "One radiosity for each named surface, or for each polygon");
   command
       ->add_option("--from-result", options->stored,
-                   "Take form factors from this checkpoint in place of computing them; SCENE is needed only as of "
-                   "merge --scene")
+                   "Take form factors from this result (.h5) or checkpoint in place of computing them; SCENE is needed "
+                   "only for sky and ground, and as of merge --scene")
       ->type_name("FILE")
       ->allow_extra_args(false);
   startGroup(command, kMachine);

@@ -1,5 +1,5 @@
-// A SolveCommand has the options of `viewpeel solve`. Here are the functions that solve.cpp and solve_matrix_free.cpp
-// share; the first keeps form factors in memory, the second does not.
+// A SolveCommand has the options of `viewpeel solve`. Here are the functions that solve.cpp, solve_stored.cpp and
+// solve_matrix_free.cpp share. The first computes form factors, the second reads them, the third keeps none.
 #pragma once
 #include <optional>
 #include <string>
@@ -40,6 +40,21 @@ std::string describeMaterials(const MaterialTable& table, const HeatSolution& so
 std::string describeTolerance(const HeatTolerance& tolerance, double reached);
 // Warns where the environment of the materials has no effect.
 void warnOfEnvironment(const MaterialTable& table, const HeatSolution& solution);
+
+// Reads the materials, with warnings.    Throws: as readMaterials; Error bad_usage for --up without sky and ground.
+MaterialTable readTable(const SolveCommand& command);
+// Writes exchange factors beside each output.
+void writeExchanges(const SolveCommand& command, const FormFactors& form_factors, const Enclosure& enclosure);
+// Writes answers and the form factors that they were computed from, and prints the answers.
+//   In: content: with the solution in content.heat
+void conclude(const SolveCommand& command, const MaterialTable& table, const HeatSolution& solution,
+              const OutputContent& content);
+// Prints answers, and the form factors that they were computed from, as JSON.
+//   In: found: the run on a scene; nullptr where form factors come from files
+void printJson(const SolveCommand& command, const HeatSolution& heat, const FormFactors& form_factors,
+               const Estimate& estimate, const SceneHeat* found);
+// Solves with the form factors of --from-result. Returns the exit status.
+int solveStored(const SolveCommand& command);
 
 // Refuses --matrix-free on, or directional emissivities, beside an option or a material that needs form factors.
 //   Throws: Error bad_usage.

@@ -191,6 +191,40 @@ TEST_F(SolveProgram, WithoutAMatrix) {
   expectRefusal(run(solve + " -o " + file("m.h5")), "m.h5 takes");
 }
 
+// Form factors of a result give the answers of the same form factors in a checkpoint. Files keep all bits; products with
+// areas round them, and the equations are solved to 1e-11, so that answers agree to 1e-9 of the heat.
+TEST_F(SolveProgram, TakesAResult) {
+  ASSERT_EQ(run("compute " + kOffice + " --tolerance 1e-2 --quiet --checkpoint " + file("c.h5") + " -o " + file("r.h5"))
+                .status,
+            0);
+  for (const std::string by : {"polygon", "surface"}) {
+    const std::string of = " --materials " + officeMaterials() + " --by " + by + " --quiet -o ";
+    ASSERT_EQ(run("solve --from-result " + file("c.h5") + of + file("c.csv")).status, 0);
+    const Result r = run("solve --from-result " + file("r.h5") + of + file("r.csv"));
+    ASSERT_EQ(r.status, 0) << r.output;
+    auto found = rowsOf(readFile(file("r.csv"))), expected = rowsOf(readFile(file("c.csv")));
+    ASSERT_EQ(found.size(), expected.size());
+    ASSERT_EQ(expected.erase(by), 1u);  // the header
+    double heat = 0, errors = 0;
+    for (const auto& [name, row] : expected) heat = std::max(heat, std::abs(std::stod(row.at(10))));
+    for (const auto& [name, row] : expected) {
+      EXPECT_NEAR(std::stod(found.at(name).at(10)), std::stod(row.at(10)), 1e-9 * heat) << name;
+      errors = std::max(errors, std::stod(found.at(name).at(11)));
+    }
+    EXPECT_GT(errors, 0);
+  }
+  const std::string of = " --materials " + officeMaterials();
+  ASSERT_EQ(run("compute " + kOffice + " --by surface --tolerance 1e-2 --quiet -o " + file("s.h5")).status, 0);
+  EXPECT_EQ(run("solve --from-result " + file("s.h5") + of).status, 0);
+  expectRefusal(run("solve --from-result " + file("s.h5") + of + " --by polygon"), "its rows are surfaces");
+  expectRefusal(run("solve --from-result " + file("s.h5") + " --from-result " + file("r.h5") + of),
+                "results cannot be added up");
+  expectRefusal(run("solve " + kCube + " --from-result " + file("s.h5") + of), "another number of rows");
+  ASSERT_EQ(run("compute " + kOffice + " --from floor --by surface --directions 20 --quiet -o " + file("f.h5")).status,
+            0);
+  expectRefusal(run("solve --from-result " + file("f.h5") + of), "has some rows only");
+}
+
 // Without a matrix a .vtp has the answers of the .csv, and no form factors.
 TEST_F(SolveProgram, WithoutAMatrixAnswersGoToParaView) {
   const std::string bands = write("bands.csv",
