@@ -6,6 +6,7 @@
 #include <fstream>
 #include <optional>
 #include <type_traits>
+#include <utility>
 
 #include <fmt/format.h>
 #include <hdf5.h>
@@ -223,7 +224,7 @@ Hdf5Output::Hdf5Output() : memory_(openMemory()), id_(createFile(memory_)) {
 }
 
 Hdf5Output::~Hdf5Output() {
-  H5Fclose(id_);
+  if (id_ >= 0) H5Fclose(id_);
   if (memory_ >= 0) ::close(memory_);
 }
 
@@ -322,7 +323,10 @@ void Hdf5Output::finishTo(const std::function<void(const std::vector<char>& byte
     if (!writeReferences(id_, scale, users)) failToWrite(scale);
   if (H5Fflush(id_, H5F_SCOPE_GLOBAL) < 0) failToWrite("the file");
   std::vector<char> image;  // of the buffer
-  if (memory_ < 0) {
+  if (memory_ >= 0) {
+    // An open file says in its head that it is open.
+    if (H5Fclose(std::exchange(id_, -1)) < 0) failToWrite("the file");
+  } else {
     const ssize_t size = H5Fget_file_image(id_, nullptr, 0);
     image.resize(static_cast<size_t>(std::max<ssize_t>(size, 0)));
     if (size <= 0 || H5Fget_file_image(id_, image.data(), image.size()) < 0) failToWrite("the file");

@@ -191,8 +191,8 @@ TEST_F(SolveProgram, WithoutAMatrix) {
   expectRefusal(run(solve + " -o " + file("m.h5")), "m.h5 takes");
 }
 
-// Form factors of a result give the answers of the same form factors in a checkpoint. Files keep all bits; products with
-// areas round them, and the equations are solved to 1e-11, so that answers agree to 1e-9 of the heat.
+// A result gives the answers of a checkpoint of the same run. Files keep all bits; products with areas round them, and
+// the equations are solved to 1e-11, so that answers agree to 1e-9 of the heat.
 TEST_F(SolveProgram, TakesAResult) {
   ASSERT_EQ(run("compute " + kOffice + " --tolerance 1e-2 --quiet --checkpoint " + file("c.h5") + " -o " + file("r.h5"))
                 .status,

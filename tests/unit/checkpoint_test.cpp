@@ -1,11 +1,14 @@
 // Checkpoints are read back to the same bits, and damaged or foreign files are refused.
 #include "io/checkpoint.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iterator>
 #include <numeric>
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <viewpeel/error.h>
 #include "estimator/estimate.h"
@@ -285,21 +288,24 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
 // Columns that are made while the file is written are read like others, and the check sum holds for their bytes, too.
 // Sizes are not multiples of the check sum's words, and one column has more bytes than a block of ByteSink.
 TEST_F(CheckpointFile, ColumnsMayBeMadeWhileTheFileIsWritten) {
-  constexpr size_t kMany = 100'003;
+  static constexpr size_t kMany = 100'003;
   const std::vector<int32_t> before{1, 2, 3};
   const std::vector<double> after{0.5, -2};
+  const auto fill = [&](Hdf5Output& out) {
+    out.write("before", before);
+    out.writeLater<uint8_t>("group/bytes", 5, [](ByteSink& sink) {
+      for (uint8_t k = 0; k < 5; ++k) sink.put(k);
+    });
+    out.writeLater<double>("group/many", kMany, [](ByteSink& sink) {
+      for (size_t k = 0; k < kMany; ++k) sink.put(1 / double(k + 1));
+    });
+    out.writeLater<int64_t>("none", 0, [](ByteSink&) {});
+    out.write("after", after);
+    out.makeScale("before");
+    out.useScale("group/many", "before");
+  };
   Hdf5Output out;
-  out.write("before", before);
-  out.writeLater<uint8_t>("group/bytes", 5, [](ByteSink& sink) {
-    for (uint8_t k = 0; k < 5; ++k) sink.put(k);
-  });
-  out.writeLater<double>("group/many", kMany, [](ByteSink& sink) {
-    for (size_t k = 0; k < kMany; ++k) sink.put(1 / double(k + 1));
-  });
-  out.writeLater<int64_t>("none", 0, [](ByteSink&) {});
-  out.write("after", after);
-  out.makeScale("before");
-  out.useScale("group/many", "before");
+  fill(out);
   std::ofstream stream(file("made.h5"), std::ios::binary);
   out.finish(stream);
   stream.close();
@@ -310,6 +316,20 @@ TEST_F(CheckpointFile, ColumnsMayBeMadeWhileTheFileIsWritten) {
   EXPECT_TRUE(in.read<int64_t>("none").empty());
   const std::vector<double> many = in.read<double>("group/many", kMany);
   for (size_t k = 0; k < kMany; ++k) ASSERT_EQ(many[k], 1 / double(k + 1));
+
+  // Where the size of files is limited HDF5 has a buffer, and the bytes are the same.
+  rlimit limit{}, limited{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  limited = {.rlim_cur = 1 << 30, .rlim_max = limit.rlim_max};
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limited), 0);
+  {
+    Hdf5Output buffered;
+    fill(buffered);
+    const std::vector<char> bytes = buffered.finish();
+    std::ifstream made(file("made.h5"), std::ios::binary);
+    EXPECT_TRUE(std::equal(bytes.begin(), bytes.end(), std::istreambuf_iterator<char>(made), {}));
+  }
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
 
   Hdf5Output wrong;
   wrong.writeLater<int32_t>("short", 2, [](ByteSink& sink) { sink.put(int32_t(1)); });
