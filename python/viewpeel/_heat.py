@@ -79,17 +79,27 @@ class Heat:
         return len(self.name)
 
 
+def _numbers_of(given: Any) -> list[float]:
+    """Makes a list of one number or several."""
+    try:
+        return [float(given)]
+    except TypeError:
+        return [float(value) for value in given]
+
+
 def _law_of(name: str, directional: Any) -> tuple[float, list[float], list[float]]:
     """Makes a directional law: (cosine power, angles, values)."""
-    if isinstance(directional, (int, float)):
-        if not 0 <= directional < float("inf"):
-            raise ValueError(f"materials: {name}: directional {directional} is not a power of the cosine from 0 on")
-        return float(directional), [], []
     try:
+        if isinstance(directional, str) or not hasattr(directional, "__iter__"):
+            power = float(directional)
+            if not 0 <= power < float("inf"):
+                raise ValueError
+            return power, [], []
         pairs = [(float(angle), float(value)) for angle, value in directional]
     except (TypeError, ValueError):
         raise ValueError(
-            f"materials: {name}: directional is a power of the cosine, or pairs of an angle in degrees and a value"
+            f"materials: {name}: directional is a power of the cosine from 0 on, or pairs of an angle in degrees and a "
+            "value"
         ) from None
     return 0.0, [angle for angle, _ in pairs], [value for _, value in pairs]
 
@@ -107,7 +117,7 @@ def _materials_of(materials: Any, environment: Optional[float], bands: Optional[
     for name, material in materials.items():
         unknown = set(material) - _OF_MATERIAL
         given = material.get("emissivity", 1.0)
-        emissivities = [float(given)] if isinstance(given, (int, float)) else [float(value) for value in given]
+        emissivities = _numbers_of(given)
         temperature, heat_flux = material.get("temperature"), material.get("heat_flux")
         if unknown:
             raise ValueError(f"materials: {name}: no '{sorted(unknown)[0]}'; there is {', '.join(sorted(_OF_MATERIAL))}")
