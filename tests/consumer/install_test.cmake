@@ -21,7 +21,7 @@ run(${CMAKE_COMMAND} --build ${WORK}/build)
 file(GLOB_RECURSE headers RELATIVE ${WORK}/installed/include ${WORK}/installed/include/*)
 list(LENGTH headers count)
 list(FILTER headers EXCLUDE REGEX "^viewpeel/[a-z_]+[.]h$")
-if(headers OR count GREATER 20)
+if(headers OR count GREATER 21)
   message(FATAL_ERROR "installed beside the public headers: ${headers}, ${count} in all")
 endif()
 
