@@ -18,11 +18,7 @@ class RankedEngine final : public Engine {
       options.on_batch = [this, on_batch = std::move(options.on_batch)](uint64_t done) {
         on_batch(here_ ? done * all_ / here_ : all_);
       };
-    MessageWriter out;
-    out.put(RankWork::open_engine).put(number_).put(kind);
-    putLattice(out, options);
-    putIds(out, ids);
-    const std::string message = out.take();
+    const std::string message = openingOf(number_, kind, options, ids);
     try {
       crew_.share([&](uint32_t) { return message; }, [&] { engine_ = make_engine(scene, ids, options); });
     } catch (...) {
@@ -80,8 +76,8 @@ class RankedEngine final : public Engine {
   std::string describePlan() const override { return engine_->describePlan(); }
 
  private:
-  void close() { crew_.tell(MessageWriter().put(RankWork::close_engine).put(number_).take()); }
-  std::vector<size_t> cutEvenly(size_t count) const { return crew_.cut(std::vector<double>(count, 1.0), by_threads_); }
+  void close() { crew_.tell(closingOf(number_)); }
+  std::vector<size_t> cutEvenly(size_t count) const { return crew_.cutEvenly(count, by_threads_); }
 
   Crew& crew_;
   bool by_threads_;
@@ -98,6 +94,16 @@ EngineFactory rankedEngines(Crew& crew, EngineFactory make_engine, EngineKind ki
     return std::make_unique<RankedEngine>(crew, make_engine, kind, scene, ids, options);
   };
 }
+
+std::string openingOf(uint64_t number, EngineKind kind, const LatticeOptions& options, const Ids& ids) {
+  MessageWriter out;
+  out.put(RankWork::open_engine).put(number).put(kind);
+  putLattice(out, options);
+  putIds(out, ids);
+  return out.take();
+}
+
+std::string closingOf(uint64_t number) { return MessageWriter().put(RankWork::close_engine).put(number).take(); }
 
 void putLattice(MessageWriter& out, const LatticeOptions& options) {
   out.put(options.resolution).put(options.sampling).put(options.window).put(options.count_blocked);

@@ -68,6 +68,10 @@ class Crew {
   //   In: costs: double[n]; by_threads: false: of about equal cost for each rank
   //   Out: size() + 1 ascending indices: rank r has the tasks from [r] to [r + 1] - 1
   std::vector<size_t> cut(std::span<const double> costs, bool by_threads = true) const;
+  // Cuts tasks of equal cost.
+  std::vector<size_t> cutEvenly(size_t count, bool by_threads = true) const {
+    return cut(std::vector<double>(count, 1.0), by_threads);
+  }
 
  private:
   void stopAll();

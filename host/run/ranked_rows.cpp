@@ -39,19 +39,20 @@ RankedRows::RankedRows(Crew* crew, Engine& engine, const Ids& ids, EngineKind ki
     : crew_(crew), engine_(engine), blocks_(ids, block_count, 0, crew ? crew->size() : 1, beside) {
   if (!crew_) return;
   number_ = crew_->newNumber();
-  MessageWriter engines, rows;
-  engines.put(RankWork::open_engine).put(number_).put(kind);
-  putLattice(engines, lattice);
-  putIds(engines, ids);
+  MessageWriter rows;
   rows.put(RankWork::open_rows).put(block_count).putAll(std::filesystem::absolute(beside).string());
   putIds(rows, ids);
-  for (const std::string& question : {engines.take(), rows.take()})
+  for (const std::string& question : {openingOf(number_, kind, lattice, ids), rows.take()})
     crew_->share([&](uint32_t) { return question; }, [] {});
+}
+
+RankedRows::~RankedRows() {
+  if (crew_) crew_->tell(closingOf(number_));
 }
 
 void RankedRows::add(std::span<const Direction> directions) {
   const std::vector<size_t> cuts =
-      crew_ ? crew_->cut(std::vector<double>(directions.size(), 1.0)) : std::vector<size_t>{0, directions.size()};
+      crew_ ? crew_->cutEvenly(directions.size()) : std::vector<size_t>{0, directions.size()};
   const auto partOf = [&](size_t rank) { return directions.subspan(cuts[rank], cuts[rank + 1] - cuts[rank]); };
   const auto countHere = [&] { blocks_.take(partOf(0).empty() ? PairCounts{} : engine_.count(partOf(0))); };
   if (!crew_) {

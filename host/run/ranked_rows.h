@@ -20,6 +20,8 @@ class RankedRows {
   //     by reference. ids: with names; kind, lattice: of the engines; beside: as in RowBlocks
   RankedRows(Crew* crew, Engine& engine, const Ids& ids, EngineKind kind, const LatticeOptions& lattice,
              uint32_t block_count, const std::filesystem::path& beside);
+  ~RankedRows();
+  RankedRows(const RankedRows&) = delete;
 
   // Counts one replicate on all ranks, and adds it to the blocks of all ranks.
   void add(std::span<const Direction> directions);

@@ -131,7 +131,6 @@ RowBlocks::Sums& RowBlocks::use(uint32_t number) {
   sums_.reset();  // before the other needs memory
   sums->number = number;
   sums->block = rowBlock(ids_.count(), number, block_count_);
-  sums->rows.resize(sums->block.end - sums->block.first);
   if (waiting_.size() > 1) waiting_.at(number)->restore(*sums);
   sums->rows.resize(sums->block.end - sums->block.first);
   sums_ = std::move(sums);

@@ -53,10 +53,10 @@ class RowBlocks {
   // Adds a replicate to a block of this rank.    In: counts: of all ranks
   void add(uint32_t block, const PairCounts& counts);
 
-  // Makes form factors of the sums of a block of this rank, and keeps them for write().
+  // Makes form factors of the sums of a block of this rank, and reports on them.
   //   In: measure_area, count_area: as in ReplicateSums
   BlockReport finish(uint32_t block, double measure_area, double count_area);
-  // Writes the entries of a block: writeHdf5Block.
+  // Makes them again, and writes their entries: writeHdf5Block. To keep them would take the memory of all blocks.
   void write(uint32_t block, double measure_area, double count_area, const std::vector<int64_t>& starts,
              const std::map<std::string, uint64_t>& places, const std::string& file);
 

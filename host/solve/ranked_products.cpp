@@ -53,7 +53,7 @@ void shareProducts(Crew& crew, ExchangeProducts& products, const LatticeOptions&
   crew.share([&](uint32_t) { return message; }, [] {});
   products.sumBy([&crew, &products](std::span<const Direction> directions, std::span<const int64_t> factors,
                                     size_t columns, bool counts_outside) {
-    const std::vector<size_t> cuts = crew.cut(std::vector<double>(directions.size(), 1.0));
+    const std::vector<size_t> cuts = crew.cutEvenly(directions.size());
     const auto partOf = [&](size_t rank) { return directions.subspan(cuts[rank], cuts[rank + 1] - cuts[rank]); };
     ExchangeProducts::Sums sums;
     const std::vector<std::string> answers = crew.share(

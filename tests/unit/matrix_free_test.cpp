@@ -70,6 +70,19 @@ FormFactors formFactorsOf(const Scene& scene, const MatrixFreeRequest& request, 
   return {std::move(ids), std::move(entries), std::move(sums)};
 }
 
+// Compares the answers of rows, and what leaves the scene.    In: most: the largest difference of powers, W/m2
+void expectSame(const HeatSolution& found, const HeatSolution& stored, double most) {
+  ASSERT_EQ(found.rows.size(), stored.rows.size());
+  for (size_t k = 0; k < stored.rows.size(); ++k) {
+    const HeatRow &a = found.rows[k], &b = stored.rows[k];
+    EXPECT_TRUE(isWithin(a.irradiation.value, b.irradiation.value, most)) << a.name;
+    EXPECT_TRUE(isWithin(a.radiosity.value, b.radiosity.value, most)) << a.name;
+    EXPECT_TRUE(isWithin(a.heat_flux.value, b.heat_flux.value, most)) << a.name;
+    EXPECT_TRUE(isWithin(te::power(a.temperature.value), te::power(b.temperature.value), 2 * most)) << a.name;
+  }
+  EXPECT_TRUE(isWithin(found.to_environment.value, stored.to_environment.value, 1e-8 * stored.heat_flow_total));
+}
+
 // Both solve the same equations, to 1e-12 of the right side. Rows that reflect all radiation make the condition number
 // some hundreds, and sums of some hundred terms are rounded by 1e-14. So answers agree within 1e-8 of the emission at
 // 310 K.
@@ -83,14 +96,7 @@ TEST(MatrixFree, EqualsTheSameCountsInAMatrix) {
   const HeatSolution stored = solveHeat(f, assignMaterials(kCity, f.ids(), surfaceNames(scene)));
   ASSERT_TRUE(stored.is_open && found.heat.is_open);
   const double power = te::power(310), kMost = 1e-8 * power;
-  ASSERT_EQ(found.heat.rows.size(), stored.rows.size());
-  for (size_t k = 0; k < stored.rows.size(); ++k) {
-    const HeatRow &a = found.heat.rows[k], &b = stored.rows[k];
-    EXPECT_TRUE(isWithin(a.irradiation.value, b.irradiation.value, kMost)) << a.name;
-    EXPECT_TRUE(isWithin(a.heat_flux.value, b.heat_flux.value, kMost)) << a.name;
-    EXPECT_TRUE(isWithin(te::power(a.temperature.value), te::power(b.temperature.value), 2 * kMost)) << a.name;
-  }
-  EXPECT_TRUE(isWithin(found.heat.to_environment.value, stored.to_environment.value, 1e-8 * stored.heat_flow_total));
+  expectSame(found.heat, stored, kMost);
   EXPECT_TRUE(isWithin(found.heat.largest_lack, stored.largest_lack, 1e-12));
   EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9 * stored.heat_flow_total);
   // Negative control: conjugate gradients that end at a residual of 1e-3 give other answers.
@@ -304,15 +310,7 @@ TEST(MatrixFree, BandsEqualTheSameCountsInAMatrix) {
   const FormFactors f = formFactorsOf(scene, request, found);
   const HeatSolution stored = solveHeat(f, assignMaterials(table, f.ids(), surfaceNames(scene)));
   const double power = te::power(310), kMost = 1e-8 * power;
-  ASSERT_EQ(found.heat.rows.size(), stored.rows.size());
-  for (size_t k = 0; k < stored.rows.size(); ++k) {
-    const HeatRow &a = found.heat.rows[k], &b = stored.rows[k];
-    EXPECT_TRUE(isWithin(a.irradiation.value, b.irradiation.value, kMost)) << a.name;
-    EXPECT_TRUE(isWithin(a.radiosity.value, b.radiosity.value, kMost)) << a.name;
-    EXPECT_TRUE(isWithin(a.heat_flux.value, b.heat_flux.value, kMost)) << a.name;
-    EXPECT_TRUE(isWithin(te::power(a.temperature.value), te::power(b.temperature.value), 2 * kMost)) << a.name;
-  }
-  EXPECT_TRUE(isWithin(found.heat.to_environment.value, stored.to_environment.value, 1e-8 * stored.heat_flow_total));
+  expectSame(found.heat, stored, kMost);
   EXPECT_LE(std::abs(found.heat.balance_residual), 1e-9 * stored.heat_flow_total);
   // Negative control: grey surfaces of the first band's emissivities have other temperatures.
   const HeatSolution grey = solveMatrixFree(scene, kCity, request).heat;
