@@ -73,7 +73,7 @@ std::vector<CutPart> PairLines::blockedPartsOf(const Group& group) const {
 void PairLines::replaceParts(LinePair& pair, Group& group, std::span<const PatchPair> cut_parts,
                              std::span<const CutPart> blockers) {
   const Group whole = group;
-  group = {static_cast<uint32_t>(parts_.pairs.size()), 0, true};
+  group.first = static_cast<uint32_t>(parts_.pairs.size()), group.is_cut = true;
   for (uint32_t k = whole.first; k < whole.first + whole.count; ++k)
     if (parts_.pairs[k].blocker_count == 0) parts_.pairs.push_back(PatchPair(parts_.pairs[k]));
   for (size_t k = 0; k < cut_parts.size(); ++k) {
@@ -84,7 +84,6 @@ void PairLines::replaceParts(LinePair& pair, Group& group, std::span<const Patch
     parts_.between.insert(parts_.between.end(), blockers[k].between.begin(), blockers[k].between.end());
   }
   group.count = static_cast<uint32_t>(parts_.pairs.size()) - group.first;
-  if (group.count == 0) group.first = whole.first;
   pair.exchange = pair.clear = pair.error = 0, pair.parts = 0;
   const double unit = scene_.scale * scene_.scale;
   for (const PatchPair& part : std::span(parts_.pairs).subspan(group.first, group.count)) {

@@ -71,7 +71,7 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
     const auto [i, j] = idsOf(part);
     if (pairs.empty() || pairs.back().i != i || pairs.back().j != j) {
       pairs.push_back({i, j});
-      groups_.push_back({k, 0});
+      groups_.push_back({.first = k, .has_back = j >= ids_.count()});
     }
     LinePair& pair = pairs.back();
     ++groups_.back().count;
@@ -83,6 +83,7 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
     pair.by_angles |= form_factor > kLarge || (form_factor > kLeastNear && areNear(a, b));
   }
   if (least_form_factor > 0) leaveOut(pairs, least_form_factor);
+  forgetClearParts();
   return pairs;
 }
 
@@ -95,6 +96,17 @@ void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor)
     pairs[kept] = pairs[k], groups_[kept++] = groups_[k];
   }
   pairs.resize(kept), groups_.resize(kept);
+}
+
+// Forgets the patches of pairs that nothing can block. They have no lines, and most pairs of a large scene are such.
+void PairLines::forgetClearParts() {
+  std::vector<PatchPair> kept;
+  for (Group& group : groups_) {
+    const auto parts = std::span(parts_.pairs).subspan(group.first, isPartial(group) ? group.count : 0);
+    group.first = static_cast<uint32_t>(kept.size()), group.count = static_cast<uint32_t>(parts.size());
+    kept.insert(kept.end(), parts.begin(), parts.end());
+  }
+  parts_.pairs = std::move(kept);
 }
 
 PairNumbers PairLines::estimatePairs() const {
@@ -123,8 +135,7 @@ PairLinesFigures PairLines::figures() const {
   PairLinesFigures figures;
   figures.blockers = finder_.blockers().size();
   for (const Group& group : groups_)
-    if (finder_.patches()[parts_.pairs[group.first].b].id < ids_.count())
-      ++(isPartial(group) ? figures.partial : figures.clear);
+    if (!group.has_back) ++(isPartial(group) ? figures.partial : figures.clear);
   return figures;
 }
 

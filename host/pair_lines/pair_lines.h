@@ -136,8 +136,9 @@ class PairLines {
 
  private:
   struct Group {
-    uint32_t first, count;  // of parts_
+    uint32_t first = 0, count = 0;  // of parts_; count is 0 where nothing can block the pair
     bool is_cut = false;
+    bool has_back = false;  // whether the pair is one of a face and a back
   };
   LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks, Vectors vectors) const;
   UniformLines uniformLinesOf(const PatchPair& part) const;
@@ -168,6 +169,7 @@ class PairLines {
   void requireSameParts(const std::vector<std::string>& answers) const;
   friend class LineServer;
   void leaveOut(std::vector<LinePair>& pairs, double least_form_factor);
+  void forgetClearParts();
   std::array<uint32_t, 4> scramblesOf(const PatchPair& part, uint64_t replicate) const;
   bool chooseCuts(std::span<LinePair> pairs, uint32_t replicates) const;
   void cutHere(std::span<LinePair> pairs);
@@ -186,7 +188,7 @@ class PairLines {
   size_t threads_;
   std::function<void()> stop_;
   PairFinder finder_;
-  PatchPairs parts_;           // grouped by pairs of faces
+  PatchPairs parts_;           // of pairs of faces that something may block, grouped by these pairs
   std::vector<Group> groups_;  // the parts of each pair of faces
   struct Whole {
     LinePair pair;
