@@ -73,7 +73,8 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
       ->add_option(
           "--row-blocks", options->row_blocks,
           "For matrices beyond memory: keep this number of blocks of rows, one at a time in memory of each rank "
-          "and others on disk, and write them into one .h5. It counts --directions as given")
+          "and others on disk, and write them into one .h5. Common directions count, to --tolerance, --relative or "
+          "as many as --directions")
       ->type_name("N")
       ->transform(isWholeNumberFrom(1, 1'000'000));
   addCheckpointOptions(command, options->checkpoint);

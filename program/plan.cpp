@@ -22,7 +22,7 @@ int runPlan(const ComputeOptions& options) {
   if (options.only_environment)
     throw Error(ErrorCode::bad_usage, "--only environment has no plan; viewpeel compute measures it in seconds");
   if (options.row_blocks)
-    throw Error(ErrorCode::bad_usage, "--row-blocks counts what --directions and --replicates say; there is no plan");
+    throw Error(ErrorCode::bad_usage, "--row-blocks has no plan of its own; viewpeel compute plans as it runs");
   checkFiles(options);
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   checkScene(options, scene);

@@ -1,5 +1,7 @@
 #include "program/row_blocks.h"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include <viewpeel/row_blocks.h>
@@ -23,7 +25,8 @@ int reportStop(uint64_t replicates) {
 }
 
 std::string describe(const RowBlocksSummary& found, uint32_t block_count) {
-  std::string text;
+  std::string text = fmt::format("sampling   {} directions a replicate; lattice {} across\n",
+                                 found.directions / std::max<uint64_t>(found.replicates, 1), found.resolution);
   text += fmt::format("blocks     {} of rows, up to {} each\n", block_count,
                       counted(found.most_entries_of_block, "form factor"));
   text += fmt::format("errors     largest standard error of {} nonzero form factors: {:.1e}\n", found.entries,

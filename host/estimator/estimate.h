@@ -1,6 +1,7 @@
 // An estimate adds replicates of random directions until it reaches a standard error, a time, or a number of
 // replicates.
 #pragma once
+#include <cmath>
 #include <functional>
 #include <optional>
 
@@ -39,6 +40,9 @@ struct EstimateOptions {
   // replicates at least, and a resumed run counts one more at least.
   std::optional<double> seconds;
   uint64_t seed = 1;
+  // The plan takes so few directions that a replicate has about this number of counts at most. A pilot keeps so few pairs
+  // that it needs no more memory.
+  double most_counts = INFINITY;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
   std::function<DrawnDirections(uint32_t count, uint64_t replicate)> drawn_directions;
   uint64_t first_replicate = 0;

@@ -4,6 +4,7 @@
 #include "engines/lattice.h"
 #include "estimator/find_prior.h"
 #include "estimator/planner.h"
+#include "hash.h"
 #include "stopwatch.h"
 #include "sums/neighbour_visibility.h"
 #include "sums/pair_count.h"
@@ -15,6 +16,18 @@ constexpr uint32_t kTimedDirections = 4;  // directions counted to time a lattic
 // A lattice with up to this multiple of the points of a timed lattice is not timed again. A timed lattice is rejected
 // beyond this multiple of its predicted seconds.
 constexpr double kMostBeyond = 4;
+constexpr double kBytesOfPair = 300;  // in pilotVariances
+
+// Keeps one pair of so many, the same pairs of every replicate, and all environment and leak.
+void thin(PairCounts& counts, double one_pair_of) {
+  if (!(one_pair_of > 1)) return;
+  std::erase_if(counts, [&](const PairCount& count) {
+    Hash hash;
+    hash.add((uint64_t(count.i) << 32) + count.j);
+    return count.j < kEnvironment && hash.value() % static_cast<uint64_t>(one_pair_of) != 0;
+  });
+  counts.shrink_to_fit();
+}
 
 }  // namespace
 
@@ -83,12 +96,18 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
         std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2), 1.0, double(directions)));
   // Each replicate counts the same directions on two lattices.
   std::vector<PilotCounts> counted;
-  double weight_unit = 1;
+  double weight_unit = 1, one_pair_of = 1;
   const auto start = Clock::now();
   for (uint32_t r = 0; r < kPilotReplicates; ++r) {
     DrawnDirections drawn = directionsOf(directions, kPlanReplicates.first + pilot_replicates_);
     weight_unit = drawn.weight_unit;
     counted.push_back({engine_->count(drawn.directions), {}});
+    const double counts = double(counted.back().first.size());
+    most_counts_of_direction_ = std::max(most_counts_of_direction_, counts / directions);
+    if (r == 0)
+      one_pair_of = std::ceil(
+          std::max(1.0, 2 * kPilotReplicates * counts * kBytesOfPair / (options_.most_counts * sizeof(PairCount))));
+    thin(counted.back().first, one_pair_of);
     Random random(options_.seed, kPlanLatticeReplicates.first + pilot_replicates_++);
     for (Direction& direction : drawn.directions) {
       const uint32_t weight = direction.weight;
@@ -96,6 +115,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       direction.weight = weight;
     }
     counted.back().second = engine_->count(drawn.directions);
+    thin(counted.back().second, one_pair_of);
   }
   const double seconds = secondsSince(start);
 
@@ -140,6 +160,11 @@ double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& count
   const NeighbourVisibility neighbours(sums, lines, ranks_);
   return largestStandardError(
       {ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
+}
+
+// Returns the most directions of a replicate.
+uint32_t Planner::mostDirections() const {
+  return static_cast<uint32_t>(std::clamp(options_.most_counts / most_counts_of_direction_, 1.0, 1e9));
 }
 
 double Planner::directionVariance(double directions) const {

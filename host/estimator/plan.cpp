@@ -58,6 +58,7 @@ Planner::Choice Planner::choose(bool by_time) const {
   bool is_limited = false;
   for (int n = 8; n <= 48; ++n) {
     const auto directions = static_cast<uint32_t>(std::lround(std::pow(2.0, n / 2.0)));
+    if (best.directions && directions > mostDirections()) continue;
     const double in_all = directions * replicates;
     for (int f = lattices_.resolution ? 40 : 8; f <= 40; ++f) {
       const int finest =

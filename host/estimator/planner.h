@@ -107,6 +107,7 @@ class Planner {
   double allowedSeconds() const { return std::min(kMostPilotSeconds, 0.1 * options_.seconds.value_or(INFINITY)); }
   // Returns the seconds that are left of the given time, less a fifth for making engines.
   double secondsLeft() const { return std::max(0.8 * (*options_.seconds - pilot_seconds_), 0.1 * *options_.seconds); }
+  uint32_t mostDirections() const;
   double directionVariance(double directions) const;
   bool isDoubtful(const Choice& choice) const;
   Load loadOf(const Shape& shape, double directions) const;
@@ -138,6 +139,7 @@ class Planner {
   std::unique_ptr<Engine> engine_;
   double pilot_seconds_ = 0;
   uint64_t pilot_replicates_ = 0;
+  double most_counts_of_direction_ = 1;  // so far
 };
 
 }  // namespace viewpeel

@@ -31,8 +31,8 @@ enum class RankWork : uint8_t {
   count_rows,     // number of an engine, directions -> nothing; the rank keeps the counts
   take_rows,      // block -> the part of the kept counts that touches it
   add_rows,       // block of this rank, or none; counts of all ranks -> nothing
-  finish_rows,    // block of this rank, or none; areas -> BlockReport
-  write_rows,     // areas, starts, places, file -> nothing, after all blocks of the rank are written
+  measure_rows,   // block of this rank, or none; units -> BlockReport
+  write_rows,     // units, starts, places, file -> nothing, after all blocks of the rank are written
   open_products,  // lattice, ids, materials -> nothing
   sum_products,   // directions, factors -> sums of products
   close_engine,

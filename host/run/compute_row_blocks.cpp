@@ -1,13 +1,16 @@
 #include <viewpeel/row_blocks.h>
 
 #include <algorithm>
+#include <cmath>
 #include <fstream>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include "directions/sampler.h"
 #include "engines/engine_factory.h"
+#include "estimator/plan.h"
 #include "io/hdf5_file.h"
 #include "io/hdf5_frame.h"
 #include "io/write_file.h"
@@ -23,14 +26,18 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kMostBlocks = 1'000'000;
+constexpr double kMostCounts = 3e7;  // of a rank in a planned replicate; 24 bytes each
 
 void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "--row-blocks: " + what); }
 
 void requireKind(const RowBlocksRequest& blocks) {
   const Request& request = blocks.request;
   const auto* amount = std::get_if<FixedAmount>(&request.goal);
-  if (!amount) refuse("counts a fixed number of directions; give --directions");
-  if (amount->finest) refuse("has no windows for small polygons; leave out --finest");
+  if (!amount && !std::holds_alternative<Tolerance>(request.goal) && !std::holds_alternative<Relative>(request.goal))
+    refuse("gives estimates; leave out --epsilon, --delta and --seconds, or give --directions or --tolerance");
+  if (amount ? amount->finest : request.amount.finest) refuse("has no windows for small polygons; leave out --finest");
+  if (request.amount.is_exact) refuse("has no parts; leave out --part");
+  if (request.time_limit_s) refuse("has no time limit; leave out --seconds");
   if (!request.question.isEverything()) refuse("is for the whole matrix; leave out --from, --pair and --blocker");
   if (request.unoccluded.value_or(false) || request.pair_lines.value_or(false) || request.promise.value_or(false))
     refuse("takes common directions alone; leave out --unoccluded, --pair-lines and --promise");
@@ -56,13 +63,16 @@ class RowBlocksRun {
         setup_(
             scene, settled(request.request), [this](uint64_t directions) { show(directions); }, [this] { stop(); }),
         lattice_(setup_.lattices().lattice) {
-    if (setup_.resolution()) lattice_.resolution = setup_.resolution();
-    engine_ = latticeEngines(setup_.engine(), setup_.device())(scene, setup_.ids(), lattice_);
     directions_ = setup_.estimate().directions;
-    measure_area_ = engine_->unitArea() * scene.scale * scene.scale / directions_;
+    if (setup_.resolution()) lattice_.resolution = setup_.resolution();
+    if (setup_.plans()) plan();
+    engine_ = latticeEngines(setup_.engine(), setup_.device())(scene, setup_.ids(), lattice_);
+    units_.measure_area = engine_->unitArea() * scene.scale * scene.scale / directions_;
+    units_.relative_floor = setup_.estimate().relative_floor;
   }
 
   RowBlocksSummary run() {
+    summary_.resolution = lattice_.resolution;
     try {
       count();
       write();
@@ -79,22 +89,62 @@ class RowBlocksRun {
   }
   void show(uint64_t directions) {
     stop();
-    progress_.phase = Progress::Phase::counting;
+    progress_.phase = engine_ ? Progress::Phase::counting : Progress::Phase::planning;
     progress_.directions = directions, progress_.directions_of_replicate = directions_;
     progress_.replicates = summary_.replicates;
     if (observer_.on_progress) observer_.on_progress(progress_);
   }
 
+  // Plans directions and resolution. All polygons share one lattice, and the counts of a replicate fit into memory.
+  void plan() {
+    EstimateOptions options = setup_.estimate();
+    options.most_counts = kMostCounts * (setup_.crew() ? setup_.crew()->size() : 1);
+    Lattices lattices = setup_.lattices();
+    lattices.may_group = false;
+    const Plan found = planEstimate(scene_, setup_.ids(), options, lattices);
+    directions_ = found.directions, lattice_.resolution = found.finest;
+  }
+
   void count() {
     rows_.emplace(setup_.crew(), *engine_, setup_.ids(), setup_.engine(), lattice_, request_.block_count,
                   request_.output);
+    for (uint64_t wanted = setup_.estimate().replicates; summary_.replicates < wanted;
+         wanted = std::max(wanted, wantedReplicates()))
+      while (summary_.replicates < wanted) addReplicate();
+  }
+
+  void addReplicate() {
     const Request& request = setup_.request();
-    for (uint32_t replicate = 0; replicate < setup_.estimate().replicates; ++replicate) {
-      rows_->add(
-          sampleDirections(setup_.estimate().sampler, directions_, request.seed, request.first_replicate + replicate));
-      ++summary_.replicates;
-      summary_.directions += directions_;
-      show(0);
+    rows_->add(sampleDirections(setup_.estimate().sampler, directions_, request.seed,
+                                request.first_replicate + summary_.replicates));
+    ++summary_.replicates;
+    summary_.directions += directions_;
+    show(0);
+  }
+
+  // Returns how many replicates the goal takes. The errors so far predict it, and are measured again after no more than
+  // twice the replicates.
+  uint64_t wantedReplicates() {
+    const std::optional<double> tolerance = setup_.estimate().tolerance, relative = setup_.estimate().relative;
+    if (!tolerance && !relative) return summary_.replicates;
+    double largest = 0, largest_relative = 0;
+    forEachBlock([&](const BlockReport& report) {
+      largest = std::max(largest, report.largest_standard_error);
+      largest_relative = std::max(largest_relative, report.largest_relative_error);
+    });
+    progress_.largest_standard_error = largest;
+    const double ratio =
+        std::max(tolerance ? largest / *tolerance : 0.0, relative ? largest_relative / *relative : 0.0);
+    return static_cast<uint64_t>(std::ceil(double(summary_.replicates) * std::clamp(ratio * ratio, 0.0, 2.0)));
+  }
+
+  // Calls work(report) for each block, in order.
+  void forEachBlock(const std::function<void(const BlockReport&)>& work) {
+    units_.count_area = units_.measure_area * double(summary_.directions) / double(summary_.replicates);
+    const uint32_t ranks = setup_.crew() ? static_cast<uint32_t>(setup_.crew()->size()) : 1;
+    for (uint32_t first = 0; first < request_.block_count; first += ranks) {
+      for (const BlockReport& report : rows_->measure(first, units_)) work(report);
+      stop();
     }
   }
 
@@ -105,9 +155,7 @@ class RowBlocksRun {
     std::vector<int64_t> starts(ids.rowCount() + 1, 0);
     std::vector<FormFactors::Entry> outside;
     std::vector<Measured> row_sums;
-    const double count_area = measure_area_ * double(summary_.directions) / double(summary_.replicates);
-    for (uint32_t block = 0; block < request_.block_count; ++block) {
-      const BlockReport report = rows_->finish(block, measure_area_, count_area);
+    forEachBlock([&](const BlockReport& report) {
       uint64_t entries = 0;
       for (size_t k = 0; k < report.entry_counts.size(); ++k) {
         starts[rows[row_sums.size() + k] + 1] = static_cast<int64_t>(report.entry_counts[k]);
@@ -118,8 +166,7 @@ class RowBlocksRun {
       summary_.largest_standard_error = std::max(summary_.largest_standard_error, report.largest_standard_error);
       outside.insert(outside.end(), report.outside.begin(), report.outside.end());
       row_sums.insert(row_sums.end(), report.row_sums.begin(), report.row_sums.end());
-      stop();
-    }
+    });
     for (size_t row = 1; row < starts.size(); ++row) starts[row] += starts[row - 1];
     const FormFactors of_rows(ids, std::move(outside), std::move(row_sums));
     summary_.closure = measureClosure(of_rows);
@@ -132,7 +179,7 @@ class RowBlocksRun {
       out.close();
       if (!out)
         throw Error(ErrorCode::output, fmt::format("{}: cannot write; choose another place", request_.output.string()));
-      rows_->write(measure_area_, count_area, starts, places, name);
+      rows_->write(units_, starts, places, name);
       endFrame(name);
     });
   }
@@ -160,7 +207,7 @@ class RowBlocksRun {
   LatticeOptions lattice_;
   std::unique_ptr<Engine> engine_;
   uint32_t directions_ = 0;  // of a replicate
-  double measure_area_ = 0;  // as in ReplicateSums
+  BlockUnits units_;
   std::optional<RankedRows> rows_;
   Progress progress_;
   RowBlocksSummary summary_;

@@ -25,11 +25,10 @@ std::map<std::string, uint64_t> getPlaces(MessageReader& in) {
 }
 
 // Writes all blocks of a rank.
-void writeBlocks(RowBlocks& blocks, uint32_t rank, double measure_area, double count_area,
-                 const std::vector<int64_t>& starts, const std::map<std::string, uint64_t>& places,
-                 const std::string& file) {
+void writeBlocks(RowBlocks& blocks, uint32_t rank, const BlockUnits& units, const std::vector<int64_t>& starts,
+                 const std::map<std::string, uint64_t>& places, const std::string& file) {
   for (uint32_t block = 0; block < blocks.count(); ++block)
-    if (blocks.ownerOf(block) == rank) blocks.write(block, measure_area, count_area, starts, places, file);
+    if (blocks.ownerOf(block) == rank) blocks.write(block, units, starts, places, file);
 }
 
 }  // namespace
@@ -84,33 +83,30 @@ void RankedRows::add(std::span<const Direction> directions) {
   }
 }
 
-BlockReport RankedRows::finish(uint32_t block, double measure_area, double count_area) {
-  const uint32_t owner = blocks_.ownerOf(block);
-  if (!crew_) return blocks_.finish(block, measure_area, count_area);
-  BlockReport report;
+std::vector<BlockReport> RankedRows::measure(uint32_t first, const BlockUnits& units) {
+  const auto blockOf = [&](uint32_t rank) { return first + rank < blocks_.count() ? first + rank : kNoBlock; };
+  std::vector<BlockReport> reports(1);
+  const auto measureHere = [&] { reports[0] = blocks_.measure(first, units); };
+  if (!crew_) {
+    measureHere();
+    return reports;
+  }
   const std::vector<std::string> answers = crew_->share(
-      [&](uint32_t rank) {
-        return MessageWriter()
-            .put(RankWork::finish_rows)
-            .put(rank == owner ? block : kNoBlock)
-            .put(measure_area)
-            .put(count_area)
-            .take();
-      },
-      [&] {
-        if (owner == 0) report = blocks_.finish(block, measure_area, count_area);
-      });
-  if (owner == 0) return report;
-  MessageReader in(answers[owner - 1]);
-  return BlockReport::get(in);
+      [&](uint32_t rank) { return MessageWriter().put(RankWork::measure_rows).put(blockOf(rank)).put(units).take(); },
+      measureHere);
+  for (uint32_t rank = 1; rank < crew_->size() && blockOf(rank) != kNoBlock; ++rank) {
+    MessageReader in(answers[rank - 1]);
+    reports.push_back(BlockReport::get(in));
+  }
+  return reports;
 }
 
-void RankedRows::write(double measure_area, double count_area, const std::vector<int64_t>& starts,
+void RankedRows::write(const BlockUnits& units, const std::vector<int64_t>& starts,
                        const std::map<std::string, uint64_t>& places, const std::string& file) {
-  const auto writeHere = [&] { writeBlocks(blocks_, 0, measure_area, count_area, starts, places, file); };
+  const auto writeHere = [&] { writeBlocks(blocks_, 0, units, starts, places, file); };
   if (!crew_) return writeHere();
   MessageWriter out;
-  out.put(RankWork::write_rows).put(measure_area).put(count_area).putAll(starts);
+  out.put(RankWork::write_rows).put(units).putAll(starts);
   putPlaces(out, places);
   const std::string question = out.putAll(std::filesystem::absolute(file).string()).take();
   crew_->share([&](uint32_t) { return question; }, writeHere);
@@ -129,17 +125,17 @@ std::string answerOfRows(RowBlocks& blocks, RankWork work, MessageReader& in) {
     if (block != kNoBlock) blocks.add(block, in.getAll<PairCount>());
     return {};
   }
-  if (work == RankWork::finish_rows) {
+  if (work == RankWork::measure_rows) {
     const auto block = in.get<uint32_t>();
-    const auto measure_area = in.get<double>(), count_area = in.get<double>();
+    const auto units = in.get<BlockUnits>();
     MessageWriter out;
-    if (block != kNoBlock) blocks.finish(block, measure_area, count_area).put(out);
+    if (block != kNoBlock) blocks.measure(block, units).put(out);
     return out.take();
   }
-  const auto measure_area = in.get<double>(), count_area = in.get<double>();
+  const auto units = in.get<BlockUnits>();
   const std::vector<int64_t> starts = in.getAll<int64_t>();
   const std::map<std::string, uint64_t> places = getPlaces(in);
-  writeBlocks(blocks, blocks.rank(), measure_area, count_area, starts, places, in.getText());
+  writeBlocks(blocks, blocks.rank(), units, starts, places, in.getText());
   return {};
 }
 

@@ -25,11 +25,11 @@ class RankedRows {
 
   // Counts one replicate on all ranks, and adds it to the blocks of all ranks.
   void add(std::span<const Direction> directions);
-  // Returns the report of a block.    In: measure_area, count_area: as in ReplicateSums
-  BlockReport finish(uint32_t block, double measure_area, double count_area);
+  // Returns the reports of the block `first` and the blocks after it, one of each rank.    In: first: a block of rank 0
+  std::vector<BlockReport> measure(uint32_t first, const BlockUnits& units);
   // Has all ranks write their blocks into a frame: writeHdf5Block.
-  void write(double measure_area, double count_area, const std::vector<int64_t>& starts,
-             const std::map<std::string, uint64_t>& places, const std::string& file);
+  void write(const BlockUnits& units, const std::vector<int64_t>& starts, const std::map<std::string, uint64_t>& places,
+             const std::string& file);
 
  private:
   Crew* crew_;
@@ -40,7 +40,7 @@ class RankedRows {
 
 // Opens the blocks of a rank above 0.
 std::unique_ptr<RowBlocks> openRows(MessageReader& in, const Ranks& ranks);
-// Answers take_rows, add_rows, finish_rows and write_rows.
+// Answers take_rows, add_rows, measure_rows and write_rows.
 std::string answerOfRows(RowBlocks& blocks, RankWork work, MessageReader& in);
 
 }  // namespace viewpeel

@@ -4,10 +4,12 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <viewpeel/form_factors.h>
+#include "io/scratch_file.h"
 #include "ranks/message.h"
 #include "sums/replicate_sums.h"
 
@@ -22,12 +24,19 @@ struct RowBlock {
 // Returns block k of n blocks of count rows.
 RowBlock rowBlock(uint32_t count, uint32_t k, uint32_t n);
 
+// BlockUnits turn counts into form factors, and say which relative errors count.
+struct BlockUnits {
+  double measure_area = 0, count_area = 0;  // as in ReplicateSums
+  double relative_floor = 0.01;
+};
+
 // A BlockReport is what rank 0 learns of a block at the end.
 struct BlockReport {
   std::vector<uint64_t> entry_counts;       // of each row of the block: entries between rows
   std::vector<FormFactors::Entry> outside;  // environment and leak of its rows
   std::vector<Measured> row_sums;           // of each row of the block
   double largest_standard_error = 0;
+  double largest_relative_error = 0;  // over form factors of at least BlockUnits::relative_floor
 
   void put(MessageWriter& out) const;
   static BlockReport get(MessageReader& in);
@@ -37,7 +46,7 @@ struct BlockReport {
 class RowBlocks {
  public:
   //   In: ids: of all rows; block_count: of all ranks; rank, ranks: this rank has the blocks rank, rank + ranks, ...;
-  //     beside: blocks that are not in use wait in unnamed files in the folder of this file
+  //     beside: blocks that are not in use wait in an unnamed file in the folder of this file
   //   Throws: Error output where this rank has several blocks, and the folder cannot be written to.
   RowBlocks(Ids ids, uint32_t block_count, uint32_t rank, uint32_t ranks, const std::filesystem::path& beside);
   ~RowBlocks();
@@ -54,24 +63,27 @@ class RowBlocks {
   void add(uint32_t block, const PairCounts& counts);
 
   // Makes form factors of the sums of a block of this rank, and reports on them.
-  //   In: measure_area, count_area: as in ReplicateSums
-  BlockReport finish(uint32_t block, double measure_area, double count_area);
+  BlockReport measure(uint32_t block, const BlockUnits& units);
   // Makes them again, and writes their entries: writeHdf5Block. To keep them would take the memory of all blocks.
-  void write(uint32_t block, double measure_area, double count_area, const std::vector<int64_t>& starts,
+  void write(uint32_t block, const BlockUnits& units, const std::vector<int64_t>& starts,
              const std::map<std::string, uint64_t>& places, const std::string& file);
 
  private:
   struct Sums;
-  struct Waiting;
+  // A Waiting block is in the file.
+  struct Waiting {
+    uint64_t replicates = 0;
+    ScratchFile::Place pairs, rows;
+  };
   Sums& use(uint32_t block);
-  void letWait();
-  FormFactors formFactors(uint32_t block, double measure_area, double count_area);
+  FormFactors formFactors(uint32_t block, const BlockUnits& units);
 
   Ids ids_;
   uint32_t block_count_, rank_, ranks_;
   PairCounts counts_;
-  std::unique_ptr<Sums> sums_;                            // of the block in use
-  std::map<uint32_t, std::unique_ptr<Waiting>> waiting_;  // all blocks of this rank
+  std::unique_ptr<Sums> sums_;           // of the block in use
+  std::optional<ScratchFile> file_;      // where this rank has several blocks
+  std::map<uint32_t, Waiting> waiting_;  // by number, blocks that are in the file
 };
 
 }  // namespace viewpeel

@@ -84,7 +84,7 @@ class Serving {
       case RankWork::count_rows:
       case RankWork::take_rows:
       case RankWork::add_rows:
-      case RankWork::finish_rows:
+      case RankWork::measure_rows:
       case RankWork::write_rows:
         return answerRows(work, in);
       case RankWork::open_products:

@@ -10,11 +10,12 @@
 namespace viewpeel {
 
 struct RowBlocksRequest {
-  // Form factors that are counted: its goal is a FixedAmount without `finest`, of the whole matrix, by a lattice
-  // engine, without unoccluded form factors, pair lines or balance.
+  // Form factors that are counted: of the whole matrix, by a lattice engine, without windows for small polygons (finest),
+  // unoccluded form factors, pair lines, balance or a time limit. The goal is a FixedAmount, a Tolerance or a Relative;
+  // a Tolerance is never promised.
   Request request;
   // Rows are divided into this number of blocks of about equal size. Block k belongs to rank k mod (number of ranks). A
-  // rank holds one of its blocks in memory; others wait in unnamed files beside the output.
+  // rank holds one of its blocks in memory; others wait in an unnamed file beside the output.
   uint32_t block_count = 1;
   std::filesystem::path output;                                   // .h5, where all ranks can write
   std::vector<std::pair<std::string, std::string>> parameters{};  // further attributes of the file
@@ -23,6 +24,7 @@ struct RowBlocksRequest {
 // RowBlocksSummary says what was written.
 struct RowBlocksSummary {
   uint64_t replicates = 0, directions = 0;  // directions of all replicates
+  int resolution = 0;                       // lattice spacings across the scene's diameter
   uint64_t entries = 0;                     // nonzero form factors between rows: F_ij and F_ji count as two
   double largest_standard_error = 0;        // of all form factors, environment and leak included
   Closure closure;
@@ -33,17 +35,18 @@ struct RowBlocksSummary {
 };
 
 // Counts form factors and writes them to a .h5, without ever holding the matrix.
-//   After each replicate the counts of a block go to the rank that it belongs to. At the end each rank writes its
-//   blocks into one file.
+//   After each replicate the counts of a block go to the rank that it belongs to. For a Tolerance or Relative a plan
+//   chooses directions and resolution, and replicates are added until all blocks reach the goal. At the end each rank
+//   writes its blocks into one file.
 //   In: scene; request: Request::ranks may be several, whose others call serveRanks(); observer: on_progress and
 //     should_stop
 //   Out: see RowBlocksSummary. The file has the form factors, standard errors and rows of computeFormFactors() for the
-//     same request, to the same bits, for any number of blocks and ranks.
+//     same directions, replicates and resolution, to the same bits, for any number of blocks and ranks.
 //   Error: as computeFormFactors(). Tests: tests/unit/row_blocks_test.cpp, tests/program/ranks_test.cpp.
 //   Throws: as computeFormFactors(); Error bad_usage for a request that is not of this kind; Error output where a file
 //     cannot be written.
 //   Cost: counting as computeFormFactors(). Memory of a rank: the scene, the counts of its directions of one replicate,
-//     and the sums of one block, 48 bytes a pair that touches its rows; at the end 40 bytes a pair more. Disk: the
+//     24 bytes each, of which a plan makes some 3e7 at most, and the sums of one block, 48 bytes a pair that touches its rows; at the end 40 bytes a pair more. Disk: the
 //     file, and 48 bytes a pair that waits.
 RowBlocksSummary computeRowBlocks(const Scene& scene, const RowBlocksRequest& request, const Observer& observer = {});
 

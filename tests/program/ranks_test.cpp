@@ -14,14 +14,18 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kStreet = VIEWPEEL_SCENES "/street.obj";
 
-// mpirun takes root only if told so twice, and more ranks than processors only if told so. It insists on a remote shell
-// even where it needs none; any program stands in for it.
-std::string launcher(int ranks) {
-  return fmt::format(
-      "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_plm_rsh_agent=sh {} --oversubscribe -n "
-      "{}",
-      VIEWPEEL_MPIRUN, ranks);
-}
+// Open MPI takes root only if told so twice, and more ranks than processors only if told so. It insists on a remote shell
+// even where it needs none; any program stands in for it. MPICH needs nothing.
+#if VIEWPEEL_HAS_OPEN_MPI
+constexpr const char* kLauncher =
+    "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_plm_rsh_agent=sh " VIEWPEEL_MPIRUN
+    " --oversubscribe -n ";
+constexpr const char* kRankVariable = "OMPI_COMM_WORLD_RANK";
+#else
+constexpr const char* kLauncher = VIEWPEEL_MPIRUN " -n ";
+constexpr const char* kRankVariable = "PMI_RANK";
+#endif
+std::string launcher(int ranks) { return kLauncher + std::to_string(ranks); }
 
 Result runRanks(int ranks, const std::string& arguments) { return run(arguments, launcher(ranks)); }
 
@@ -34,15 +38,23 @@ std::vector<std::string> linesOf(const std::string& output, const std::string& w
   return lines;
 }
 
-// Returns the process of a rank of a running job.    In: job: process of mpirun
+// Returns the parent of a process; 0 where it has ended.
+pid_t parentOf(pid_t process) {
+  const std::string status = readFile(fmt::format("/proc/{}/status", process)), word = "\nPPid:\t";
+  const size_t at = status.find(word);
+  return at == std::string::npos ? 0 : std::stoi(status.substr(at + word.size()));
+}
+
+// Returns the process of a rank of a running job.    In: job: process of mpirun, whose child or grandchild it is
 pid_t findRank(pid_t job, int rank) {
+  const std::string number = fmt::format("{}={}", kRankVariable, rank) + '\0';
   for (const fs::directory_entry& entry : fs::directory_iterator("/proc")) {
     const std::string name = entry.path().filename();
     if (name.find_first_not_of("0123456789") != std::string::npos) continue;
-    const std::string status = readFile(entry.path() / "status"), environment = readFile(entry.path() / "environ");
-    const std::string parent = fmt::format("\nPPid:\t{}\n", job), number = fmt::format("OMPI_COMM_WORLD_RANK={}", rank);
-    if (status.find(parent) != std::string::npos && environment.find(number + '\0') != std::string::npos)
-      return std::stoi(name);
+    const pid_t process = std::stoi(name), parent = parentOf(process);
+    if ((parent == job || (parent && parentOf(parent) == job)) &&
+        readFile(entry.path() / "environ").find(number) != std::string::npos)
+      return process;
   }
   return 0;
 }
@@ -128,7 +140,10 @@ assert set(a.attrs) == set(b.attrs), set(a.attrs) ^ set(b.attrs)
   const Result refused = run(options + file("a.csv") + " --row-blocks 2");
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.output.find("give -o NAME.h5"), std::string::npos) << refused.output;
-  EXPECT_EQ(run("compute " + kStreet + " --row-blocks 2 -o " + file("b.h5")).status, 2);
+  // By default the goal is a tolerance; other ranks do not change what its plan makes of it.
+  const std::string planned = "compute " + kStreet + " --tolerance 2e-2 --resolution 128 --quiet -o ";
+  ASSERT_EQ(run(planned + file("b.h5") + " --row-blocks 2").status, 0);
+  ASSERT_EQ(run("report " + file("b.h5") + " -o " + file("b.html")).status, 0);
 }
 
 // Rank 0 prints once, whatever all ranks have met.
@@ -190,7 +205,8 @@ TEST_F(RankProgram, SignalsStopAllRanks) {
   waitFor(0.5);
   const auto start = Clock::now();
   job.send(SIGTERM);
-  EXPECT_NE(job.wait(), 0);
+  const int status = job.wait();
+  EXPECT_TRUE(status != 0 || !VIEWPEEL_HAS_OPEN_MPI);  // MPICH's mpirun then ends with 0, whatever ranks say
   EXPECT_LT(secondsSince(start), kSoon);
   const std::string messages = readFile(file("messages"));
   const std::vector<std::string> lines = linesOf(messages, "viewpeel: stopped by SIGTERM");

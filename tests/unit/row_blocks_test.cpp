@@ -91,6 +91,40 @@ TEST_F(RowBlocks, AreSharedByRanks) {
     }
 }
 
+TEST_F(RowBlocks, ReachATolerance) {
+  const Scene scene = buildScene(bench::city(200));
+  Request request = fixed();
+  for (const Goal& goal : {Goal(Tolerance{0.01}), Goal(Relative{0.2})}) {
+    request.goal = goal;
+    const RowBlocksSummary found = compute(scene, request, 5, "blocks.h5");
+    // The file is that of the whole matrix, by the directions, replicates and resolution that the run has taken.
+    Request same = request;
+    same.unoccluded = false;
+    same.goal = FixedAmount{static_cast<uint32_t>(found.directions / found.replicates),
+                            static_cast<uint32_t>(found.replicates), found.resolution};
+    const Result whole = computeFormFactors(scene, same);
+    writeFormFactors({.form_factors = whole.form_factors, .scene = &scene}, file("whole.h5"));
+    expectSameColumns("blocks.h5", "whole.h5");
+    EXPECT_LE(goal.index() == 0 ? whole.largest_standard_error / 0.01 : whole.largest_relative_error / 0.2, 1);
+  }
+  // A goal that eight planned replicates do not reach takes more.
+  request.goal = Tolerance{2e-3};
+  request.amount = {.directions = 50, .resolution = 128};
+  const RowBlocksSummary more = compute(scene, request, 3, "more.h5");
+  EXPECT_GT(more.replicates, 8u);
+  EXPECT_EQ(more.directions, 50 * more.replicates);
+  EXPECT_LE(more.largest_standard_error, 2e-3);
+  // Ranks take as many.
+  test::withRanks(
+      3, [&](Ranks& ranks) { serveRanks(ranks, scene, request); },
+      [&](Ranks& ranks) {
+        Request shared = request;
+        shared.ranks = &ranks;
+        EXPECT_EQ(compute(scene, shared, 7, "shared.h5").replicates, more.replicates);
+      });
+  expectSameColumns("shared.h5", "more.h5");
+}
+
 TEST_F(RowBlocks, RefuseWhatNeedsTheWholeMatrix) {
   const Scene scene = buildScene(bench::city(60));
   const auto refuses = [&](const Request& request, const std::string& part, uint32_t blocks = 2,
@@ -104,12 +138,14 @@ TEST_F(RowBlocks, RefuseWhatNeedsTheWholeMatrix) {
     }
     ADD_FAILURE() << "nothing says " << part;
   };
-  Request tolerance = fixed(), from = fixed(), balance = fixed(), windows = fixed();
-  tolerance.goal = Tolerance{};
+  Request guarantee = fixed(), from = fixed(), balance = fixed(), windows = fixed(), timed = fixed();
+  guarantee.goal = EpsilonDelta{};
+  timed.time_limit_s = 60;
   from.question.from = {scene.surfaces[0].name};
   balance.balance = true;
   windows.goal = FixedAmount{.directions = 20, .replicates = 3, .resolution = 64, .finest = 256};
-  refuses(tolerance, "give --directions");
+  refuses(guarantee, "leave out --epsilon");
+  refuses(timed, "leave out --seconds");
   refuses(from, "leave out --from");
   refuses(balance, "leave out --balance");
   refuses(windows, "leave out --finest");
