@@ -10,9 +10,9 @@
 namespace viewpeel {
 
 struct RowBlocksRequest {
-  // Form factors that are counted: of the whole matrix, by a lattice engine, without windows for small polygons (finest),
-  // unoccluded form factors, pair lines, balance or a time limit. The goal is a FixedAmount, a Tolerance or a Relative;
-  // a Tolerance is never promised.
+  // Form factors that are counted: of the whole matrix, by a lattice engine, without windows for small polygons
+  // (finest), unoccluded form factors, pair lines, balance or a time limit. The goal is a FixedAmount, a Tolerance or a
+  // Relative; a Tolerance is never promised.
   Request request;
   // Rows are divided into this number of blocks of about equal size. Block k belongs to rank k mod (number of ranks). A
   // rank holds one of its blocks in memory; others wait in an unnamed file beside the output.
@@ -40,14 +40,14 @@ struct RowBlocksSummary {
 //   writes its blocks into one file.
 //   In: scene; request: Request::ranks may be several, whose others call serveRanks(); observer: on_progress and
 //     should_stop
-//   Out: see RowBlocksSummary. The file has the form factors, standard errors and rows of computeFormFactors() for the
-//     same directions, replicates and resolution, to the same bits, for any number of blocks and ranks.
+//   Out: see RowBlocksSummary. The file has the form factors, standard errors and rows of computeFormFactors() for
+//     these directions, replicates and this resolution, to the same bits, for any number of blocks and ranks.
 //   Error: as computeFormFactors(). Tests: tests/unit/row_blocks_test.cpp, tests/program/ranks_test.cpp.
 //   Throws: as computeFormFactors(); Error bad_usage for a request that is not of this kind; Error output where a file
 //     cannot be written.
 //   Cost: counting as computeFormFactors(). Memory of a rank: the scene, the counts of its directions of one replicate,
-//     24 bytes each, of which a plan makes some 3e7 at most, and the sums of one block, 48 bytes a pair that touches its rows; at the end 40 bytes a pair more. Disk: the
-//     file, and 48 bytes a pair that waits.
+//     24 bytes each, of which a plan makes some 3e7 at most, and the sums of one block, 48 bytes a pair that touches its
+//     rows; at the end 40 bytes a pair more. Disk: the file, and 48 bytes a pair that waits.
 RowBlocksSummary computeRowBlocks(const Scene& scene, const RowBlocksRequest& request, const Observer& observer = {});
 
 }  // namespace viewpeel

@@ -14,8 +14,8 @@ namespace {
 namespace fs = std::filesystem;
 const std::string kStreet = VIEWPEEL_SCENES "/street.obj";
 
-// Open MPI takes root only if told so twice, and more ranks than processors only if told so. It insists on a remote shell
-// even where it needs none; any program stands in for it. MPICH needs nothing.
+// Open MPI takes root only if told so twice, and more ranks than processors only if told so. It insists on a remote
+// shell even where it needs none; any program stands in for it. MPICH needs nothing.
 #if VIEWPEEL_HAS_OPEN_MPI
 constexpr const char* kLauncher =
     "env OMPI_ALLOW_RUN_AS_ROOT=1 OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1 OMPI_MCA_plm_rsh_agent=sh " VIEWPEEL_MPIRUN
