@@ -11,6 +11,7 @@
 #include "program/command_line.h"
 #include "program/options.h"
 #include "program/rescue.h"
+#include "program/summary.h"
 #include <viewpeel/error.h>
 #include <viewpeel/write.h>
 
@@ -70,14 +71,17 @@ void writeOutputs(const OutputContent& content, const OutputOptions& options, bo
   if (first_failure) std::rethrow_exception(first_failure);
 }
 
+std::string describeDropped(double least, uint64_t pairs, double most, const std::string& row) {
+  if (!pairs) return fmt::format("dropped    no pair is below {}\n", least);
+  return fmt::format("dropped    {} below {}, {:.2g} of a row at most ({}); row sums and closure have them\n",
+                     counted(pairs, "pair"), least, most, row);
+}
+
 std::string describeDropped(const Ids& ids, const DroppedSums& dropped) {
   uint32_t most = 0;
   for (uint32_t k = 0; k < ids.count(); ++k)
     if (ids.isRequested(k) && dropped.sums[k].value > dropped.sums[most].value) most = k;
-  if (!dropped.pairs) return fmt::format("dropped    no pair is below {}\n", dropped.least);
-  return fmt::format("dropped    {} below {}, {:.2g} of a row at most ({}); row sums and closure have them\n",
-                     dropped.pairs == 1 ? "1 pair" : fmt::format("{} pairs", dropped.pairs), dropped.least,
-                     dropped.sums[most].value, ids.names[most]);
+  return describeDropped(dropped.least, dropped.pairs, dropped.sums[most].value, ids.names[most]);
 }
 
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters) {

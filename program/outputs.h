@@ -53,6 +53,8 @@ void writeOutputs(const OutputContent& content, const OutputOptions& options, bo
 
 // Describes what --drop-below left out; empty without this option.
 std::string describeDropped(const Ids& ids, const DroppedSums& dropped);
+//   In: most: the largest sum that a row lost, and the name of this row
+std::string describeDropped(double least, uint64_t pairs, double most, const std::string& row);
 
 // Adds the command that made the result, and its goal: tolerance or epsilon.
 void addOrigin(const Request& request, std::vector<std::pair<std::string, std::string>>& parameters);

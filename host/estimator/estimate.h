@@ -40,8 +40,8 @@ struct EstimateOptions {
   // replicates at least, and a resumed run counts one more at least.
   std::optional<double> seconds;
   uint64_t seed = 1;
-  // The plan takes so few directions that a replicate has about this number of counts at most. A pilot keeps so few pairs
-  // that it needs no more memory.
+  // The plan takes so few directions that a replicate has about this number of counts at most. A pilot keeps so few
+  // pairs that it needs no more memory.
   double most_counts = INFINITY;
   // Draws the `count` directions of a replicate in place of the sampler. If it draws none, every form factor is 0.
   std::function<DrawnDirections(uint32_t count, uint64_t replicate)> drawn_directions;

@@ -25,7 +25,8 @@ class ScratchFile {
   ScratchFile(const ScratchFile&) = delete;
   ScratchFile& operator=(const ScratchFile&) = delete;
 
-  // Write a list to its place, and read it from there.    Throws: Error output, with the folder and the system's reason.
+  // Write a list to its place, and read it from there.
+  //   Throws: Error output, with the folder and the system's reason.
   template <class T>
   void write(Place& place, const std::vector<T>& list) {
     static_assert(std::is_trivially_copyable_v<T>);

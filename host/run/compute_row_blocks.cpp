@@ -20,6 +20,7 @@
 #include "run/summaries.h"
 #include "interrupted.h"
 #include "stopwatch.h"
+#include <viewpeel/drop_below.h>
 #include <viewpeel/error.h>
 
 namespace viewpeel {
@@ -45,6 +46,8 @@ void requireKind(const RowBlocksRequest& blocks) {
   if (request.engine == EngineKind::exact) refuse("takes an engine that counts; leave out --engine exact");
   if (blocks.block_count < 1 || blocks.block_count > kMostBlocks)
     refuse(fmt::format("{} is not a number of blocks from 1 to {}", blocks.block_count, kMostBlocks));
+  if (!(blocks.drop_below >= 0 && blocks.drop_below < 1))
+    refuse(fmt::format("{} is not a form factor from 0 to 1 below which pairs are left out", blocks.drop_below));
   if (blocks.output.extension() != ".h5") refuse("writes a .h5, block by block; give -o NAME.h5 and no other output");
 }
 
@@ -69,6 +72,7 @@ class RowBlocksRun {
     engine_ = latticeEngines(setup_.engine(), setup_.device())(scene, setup_.ids(), lattice_);
     units_.measure_area = engine_->unitArea() * scene.scale * scene.scale / directions_;
     units_.relative_floor = setup_.estimate().relative_floor;
+    units_.drop_below = request_.drop_below;
   }
 
   RowBlocksSummary run() {
@@ -155,6 +159,7 @@ class RowBlocksRun {
     std::vector<int64_t> starts(ids.rowCount() + 1, 0);
     std::vector<FormFactors::Entry> outside;
     std::vector<Measured> row_sums;
+    DroppedSums dropped{request_.drop_below, {}, 0};
     forEachBlock([&](const BlockReport& report) {
       uint64_t entries = 0;
       for (size_t k = 0; k < report.entry_counts.size(); ++k) {
@@ -166,13 +171,22 @@ class RowBlocksRun {
       summary_.largest_standard_error = std::max(summary_.largest_standard_error, report.largest_standard_error);
       outside.insert(outside.end(), report.outside.begin(), report.outside.end());
       row_sums.insert(row_sums.end(), report.row_sums.begin(), report.row_sums.end());
+      dropped.sums.insert(dropped.sums.end(), report.dropped.begin(), report.dropped.end());
+      dropped.pairs += report.dropped_pairs;
     });
     for (size_t row = 1; row < starts.size(); ++row) starts[row] += starts[row - 1];
     const FormFactors of_rows(ids, std::move(outside), std::move(row_sums));
     summary_.closure = measureClosure(of_rows);
     summary_.environment_share = shareOf(of_rows, kEnvironment);
     summary_.leak_share = shareOf(of_rows, kLeak);
-    const OutputContent content{.form_factors = of_rows, .scene = &scene_, .parameters = parameters()};
+    summary_.dropped_pairs = dropped.pairs;
+    for (uint32_t id = 0; id < dropped.sums.size(); ++id)
+      if (dropped.sums[id].value > summary_.most_dropped)
+        summary_.most_dropped = dropped.sums[id].value, summary_.most_dropped_row = ids.names[id];
+    const OutputContent content{.form_factors = of_rows,
+                                .scene = &scene_,
+                                .parameters = parameters(),
+                                .dropped = request_.drop_below > 0 ? &dropped : nullptr};
     writeFileByName(request_.output, [&](const std::string& name) {
       std::ofstream out(name, std::ios::binary);
       const std::map<std::string, uint64_t> places = writeHdf5Frame(content, starts, out);

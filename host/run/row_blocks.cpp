@@ -1,11 +1,12 @@
 #include "run/row_blocks.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
 #include "io/hdf5_frame.h"
 #include "sums/add_pairs.h"
-#include <viewpeel/error.h>
+#include <viewpeel/drop_below.h>
 
 namespace viewpeel {
 namespace {
@@ -22,6 +23,7 @@ RowBlock rowBlock(uint32_t count, uint32_t k, uint32_t n) {
 
 void BlockReport::put(MessageWriter& out) const {
   out.putAll(entry_counts).putAll(outside).putAll(row_sums).put(largest_standard_error).put(largest_relative_error);
+  out.putAll(dropped).put(dropped_pairs);
 }
 
 BlockReport BlockReport::get(MessageReader& in) {
@@ -30,6 +32,7 @@ BlockReport BlockReport::get(MessageReader& in) {
   report.outside = in.getAll<FormFactors::Entry>();
   report.row_sums = in.getAll<Measured>();
   report.largest_standard_error = in.get<double>(), report.largest_relative_error = in.get<double>();
+  report.dropped = in.getAll<Measured>(), report.dropped_pairs = in.get<uint64_t>();
   return report;
 }
 
@@ -89,7 +92,7 @@ void RowBlocks::add(uint32_t number, const PairCounts& counts) {
   addPairs(sums.pairs, counts, [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
 }
 
-// Makes form factors of a block, whose rows are the requested ones.
+// Makes form factors of the pairs that touch a block, of which only rows in the block are whole.
 FormFactors RowBlocks::formFactors(uint32_t number, const BlockUnits& units) {
   Sums& sums = use(number);
   std::vector<Sum> rows(ids_.count());
@@ -99,37 +102,47 @@ FormFactors RowBlocks::formFactors(uint32_t number, const BlockUnits& units) {
   entries.reserve(sums.pairs.size());
   for (const PairSum& pair : sums.pairs)
     entries.push_back({pair.i, pair.j, measured.exchangeArea(pair, units.measure_area, units.count_area)});
-  Ids ids = ids_;
-  ids.requested.assign(ids.count(), false);
-  std::fill(ids.requested.begin() + sums.block.first, ids.requested.begin() + sums.block.end, true);
-  return {std::move(ids), std::move(entries), measured.measureRows(units.measure_area)};
+  return {ids_, std::move(entries), measured.measureRows(units.measure_area)};
 }
 
 BlockReport RowBlocks::measure(uint32_t number, const BlockUnits& units) {
-  const FormFactors found = formFactors(number, units);
+  const FormFactors all = formFactors(number, units);
   const RowBlock block = rowBlock(ids_.count(), number, block_count_);
   BlockReport report;
-  report.entry_counts.resize(block.end - block.first);
-  for (const FormFactors::Entry& entry : found.entries()) {
+  for (const FormFactors::Entry& entry : all.entries()) {
     const auto [value, error] = entry.exchange_area;
     const double area = ids_.smallerArea(entry.i, entry.j);
     report.largest_standard_error = std::max(report.largest_standard_error, error / area);
     if (value / area >= units.relative_floor)
       report.largest_relative_error = std::max(report.largest_relative_error, error / value);
-    if (entry.j >= kEnvironment) {
-      report.outside.push_back(entry);
-      continue;
-    }
+    if (entry.j >= kEnvironment) report.outside.push_back(entry);
+    else report.dropped_pairs += block.has(entry.i);
+  }
+  std::optional<DroppedBelow> below;
+  if (units.drop_below > 0) {
+    below = dropBelow(all, units.drop_below);
+    report.dropped.assign(below->dropped.sums.begin() + block.first, below->dropped.sums.begin() + block.end);
+  }
+  report.entry_counts.resize(block.end - block.first);
+  for (const FormFactors::Entry& entry : below ? below->kept.entries() : all.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    report.dropped_pairs -= block.has(entry.i);
     if (block.has(entry.i)) ++report.entry_counts[entry.i - block.first];
     if (entry.j != entry.i && block.has(entry.j)) ++report.entry_counts[entry.j - block.first];
   }
-  report.row_sums.assign(found.rowSums().begin() + block.first, found.rowSums().begin() + block.end);
+  report.row_sums.assign(all.rowSums().begin() + block.first, all.rowSums().begin() + block.end);
   return report;
 }
 
 void RowBlocks::write(uint32_t number, const BlockUnits& units, const std::vector<int64_t>& starts,
                       const std::map<std::string, uint64_t>& places, const std::string& file) {
-  writeHdf5Block(formFactors(number, units), starts, places, file);
+  FormFactors found = formFactors(number, units);
+  if (units.drop_below > 0) found = dropBelow(found, units.drop_below).kept;
+  const RowBlock block = rowBlock(ids_.count(), number, block_count_);
+  Ids ids = ids_;
+  ids.requested.assign(ids.count(), false);
+  std::fill(ids.requested.begin() + block.first, ids.requested.begin() + block.end, true);
+  writeHdf5Block({std::move(ids), std::move(found).entries(), {}}, starts, places, file);
 }
 
 }  // namespace viewpeel

@@ -28,6 +28,7 @@ RowBlock rowBlock(uint32_t count, uint32_t k, uint32_t n);
 struct BlockUnits {
   double measure_area = 0, count_area = 0;  // as in ReplicateSums
   double relative_floor = 0.01;
+  double drop_below = 0;  // pairs whose form factors are smaller both ways are left out of the file
 };
 
 // A BlockReport is what rank 0 learns of a block at the end.
@@ -37,6 +38,8 @@ struct BlockReport {
   std::vector<Measured> row_sums;           // of each row of the block
   double largest_standard_error = 0;
   double largest_relative_error = 0;  // over form factors of at least BlockUnits::relative_floor
+  std::vector<Measured> dropped;      // with BlockUnits::drop_below, of each row of the block: the sum left out
+  uint64_t dropped_pairs = 0;         // pairs left out whose first row is in the block
 
   void put(MessageWriter& out) const;
   static BlockReport get(MessageReader& in);

@@ -1,8 +1,11 @@
 // A matrix that is computed in blocks of rows has the bits of one that is in memory as a whole.
 #include <viewpeel/row_blocks.h>
 
+#include <algorithm>
+
 #include <gtest/gtest.h>
 
+#include <viewpeel/drop_below.h>
 #include <viewpeel/error.h>
 #include <viewpeel/ranks.h>
 #include <viewpeel/read.h>
@@ -91,6 +94,28 @@ TEST_F(RowBlocks, AreSharedByRanks) {
     }
 }
 
+TEST_F(RowBlocks, LeaveOutSmallPairs) {
+  const Scene scene = buildScene(bench::city(300));
+  Request request = fixed();
+  request.unoccluded = false;
+  const Result whole = computeFormFactors(scene, request);
+  constexpr double kLeast = 2e-3;
+  const DroppedBelow below = dropBelow(whole.form_factors, kLeast);
+  writeFormFactors({.form_factors = below.kept, .scene = &scene, .dropped = &below.dropped}, file("whole.h5"));
+  for (const uint32_t blocks : {1u, 4u}) {
+    const RowBlocksSummary found = computeRowBlocks(
+        scene, {.request = request, .block_count = blocks, .drop_below = kLeast, .output = file("blocks.h5")});
+    expectSameColumns("blocks.h5", "whole.h5");
+    Hdf5Input one(file("blocks.h5"), "result", ""), other(file("whole.h5"), "result", "");
+    for (const char* name : {"dropped", "dropped_standard_error"})
+      EXPECT_EQ(one.read<double>(name), other.read<double>(name)) << name;
+    EXPECT_GT(found.dropped_pairs, 0u);
+    EXPECT_EQ(found.dropped_pairs, below.dropped.pairs);
+    EXPECT_EQ(found.most_dropped, std::ranges::max(one.read<double>("dropped")));
+    EXPECT_EQ(found.largest_standard_error, whole.largest_standard_error);
+  }
+}
+
 TEST_F(RowBlocks, ReachATolerance) {
   const Scene scene = buildScene(bench::city(200));
   Request request = fixed();
@@ -151,6 +176,7 @@ TEST_F(RowBlocks, RefuseWhatNeedsTheWholeMatrix) {
   refuses(windows, "leave out --finest");
   refuses(fixed(), "0 is not a number of blocks", 0);
   refuses(fixed(), "give -o NAME.h5", 2, "a.csv");
+  EXPECT_THROW(computeRowBlocks(scene, {.request = fixed(), .drop_below = 1, .output = file("a.h5")}), Error);
 }
 
 TEST_F(RowBlocks, AStoppedRunWritesNothing) {
