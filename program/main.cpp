@@ -109,7 +109,8 @@ int main(int argc, char** argv) {
     if (viewpeel::program::isView3d(argv[0])) return report(error.what(), kFailed, false);
     return report(error.what(), exitStatus(error.code()), as_json);
   } catch (const std::bad_alloc&) {
-    return report("out of memory; try --by surface or a smaller scene", kFailed, as_json);
+    return report("out of memory; try --by surface, for `compute` --row-blocks 10 -o NAME.h5, or a smaller scene",
+                  kFailed, as_json);
   } catch (const std::exception& error) {
     return report(error.what(), kFailed, as_json);
   }

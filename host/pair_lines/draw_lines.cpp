@@ -53,100 +53,105 @@ class SobolBits {
 constexpr SobolBits kSobol;
 static_assert(1 << 4 == kLineLanes);
 
-using Vector = LaneVector<Floats>;
-
 // Turns the binary digits of Sobol' points into numbers in [0, 1), with Owen's scrambling by a hash (B. Burley,
 // Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
-VIEWPEEL_INLINE Floats scrambled(Words digits, uint32_t seed) {
-  Words x = digits ^ (digits * all(0x3d20adeau));
-  x += all(seed);
-  x *= all(seed >> 16 | 1u);
-  x ^= x * all(0x05526c56u);
-  x ^= x * all(0x53a22864u);
+template <class Words>
+VIEWPEEL_INLINE typename Words::Floats scrambled(const Words& digits, uint32_t seed) {
+  Words x = digits ^ (digits * 0x3d20adeau);
+  x += seed;
+  x *= seed >> 16 | 1u;
+  x ^= x * 0x05526c56u;
+  x ^= x * 0x53a22864u;
   x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
   x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
   x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
   x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
   x = (x >> 16) | (x << 16);
-  return __builtin_convertvector((Integers)(x >> 8), Floats) * kDigit;
+  return floatsOf(x >> 8) * kDigit;
 }
 
 // Returns the tangent of an angle within (-pi/2, pi/2), to 4e-7 of itself where it is below 1e6. With x the tangent of
 // a quarter of the angle, by its series, it is 4 x (1 - x^2) / ((1 - x^2)^2 - 4 x^2).
+template <class Floats>
 VIEWPEEL_INLINE Floats tangent(const Floats& angle) {
   const Floats a = 0.25f * angle, s = a * a;  // |a| < 0.4
   const Floats x =
       a * (1.0f +
            s * (kTangent3 + s * (kTangent5 + s * (kTangent7 + s * (kTangent9 + s * (kTangent11 + s * kTangent13))))));
   const Floats square = x * x, rest = 1.0f - square, below = rest * rest - 4.0f * square;
-  return 4.0f * x * rest * reciprocal(greatest(below, all(kLeast)));
+  return 4.0f * x * rest * reciprocal(greatest(below, Floats(kLeast)));
 }
 
 // Returns the angle of (adjacent, opposite) from the first axis, to 4e-7 (S. Moshier, Cephes, atanf).
 //   In: adjacent: above 0    Out: within (-pi/2, pi/2)
+template <class Floats>
 VIEWPEEL_INLINE Floats arcTangent(const Floats& opposite, const Floats& adjacent) {
-  const Floats size = opposite < 0.0f ? -opposite : opposite;
+  const Floats size = sizeOf(opposite), none{};
   const Floats over_large = size - kLargeTangent * adjacent, over_middle = size - kMiddleTangent * adjacent;
-  Floats above = over_middle > 0.0f ? size - adjacent : size, below = over_middle > 0.0f ? size + adjacent : adjacent;
-  above = over_large > 0.0f ? -adjacent : above;
-  below = over_large > 0.0f ? size : below;
-  Floats base = over_middle > 0.0f ? all(kEighthTurn) : Floats{};
-  base = over_large > 0.0f ? all(kQuarterTurn) : base;
+  Floats above = ifBelow(none, over_middle, size - adjacent, size),
+         below = ifBelow(none, over_middle, size + adjacent, adjacent);
+  above = ifBelow(none, over_large, -adjacent, above);
+  below = ifBelow(none, over_large, size, below);
+  Floats base = ifBelow(none, over_middle, Floats(kEighthTurn), none);
+  base = ifBelow(none, over_large, Floats(kQuarterTurn), base);
   const Floats x = above * reciprocal(below), s = x * x;
   const Floats angle = base + x + x * s * (kArcTangent3 + s * (kArcTangent5 + s * (kArcTangent7 + s * kArcTangent9)));
-  return opposite < 0.0f ? -angle : angle;
+  return ifBelow(opposite, none, -angle, angle);
 }
 
 // Lines are sixteen lines from p to q = p + d. A line is open unless an end lies on a back or q misses the other patch.
+template <class Floats>
 struct Lines {
-  Vector p, q, d;
+  LaneVector<Floats> p, q, d;
   Floats weight;
   Floats open;  // above 0 where the line is open
 };
 
 // Moves uniform numbers u so that they are denser in the warp's important bins, and multiplies `stretch` by 1 over
 // their density.
-template <class Warp>
+template <class Warp, class Floats>
 VIEWPEEL_INLINE void warp(const Warp& by, Floats& u, Floats& stretch) {
-  Floats warped = u * by.scales[0], scale = all(by.scales[0]);
+  Floats warped = u * by.scales[0], scale = by.scales[0];
   for (int bin = 1; bin < Warp::kBins; ++bin) {
-    warped = u >= by.starts[bin] ? float(bin) / Warp::kBins + (u - by.starts[bin]) * by.scales[bin] : warped;
-    scale = u >= by.starts[bin] ? all(by.scales[bin]) : scale;
+    const Floats start = by.starts[bin];
+    warped = ifAtMost(start, u, float(bin) / Warp::kBins + (u - start) * by.scales[bin], warped);
+    scale = ifAtMost(start, u, Floats(by.scales[bin]), scale);
   }
   u = warped;
   stretch *= scale;
 }
 
 // Draws lines from points of one patch to points of the other, eq. (43) of docs/method.md.
-VIEWPEEL_INLINE Lines drawPoints(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
-  Lines lines;
+template <class Floats>
+VIEWPEEL_INLINE Lines<Floats> drawPoints(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
+  Lines<Floats> lines;
   Floats density_p, density_q;
   lines.p = pointOn(first, u[0], u[1], density_p);
   lines.q = pointOn(second, u[2], u[3], density_q);
   lines.d = {lines.q.x - lines.p.x, lines.q.y - lines.p.y, lines.q.z - lines.p.z};
   const Floats out = dot(first.normal, lines.d), in = -dot(second.normal, lines.d), square = dot(lines.d, lines.d);
-  const Floats inverse = reciprocal(greatest(square, all(kLeastSquare)));
+  const Floats inverse = reciprocal(greatest(square, Floats(kLeastSquare)));
   lines.open = least(out, in);
   lines.weight = (out * inverse) * (in * inverse) * (density_p * density_q);
   return lines;
 }
 
 // Draws lines from points of the first patch at random angles to the second one's plane, eq. (45) of docs/method.md.
-template <class Rectangle, class Warp>
-VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<float>& second, const Rectangle& rectangle,
-                                 const Warp* warps, const Floats* u) {
-  Lines lines;
-  Floats at[2] = {u[0], u[1]}, stretch = all(1.0f), density_p;
+template <class Rectangle, class Warp, class Floats>
+VIEWPEEL_INLINE Lines<Floats> drawAngles(const LineEnd<float>& first, const LineEnd<float>& second,
+                                         const Rectangle& rectangle, const Warp* warps, const Floats* u) {
+  Lines<Floats> lines;
+  Floats at[2] = {u[0], u[1]}, stretch = 1.0f, density_p;
   for (int axis = 0; axis < 2; ++axis) warp(warps[axis], at[axis], stretch);
   lines.p = pointOn(first, at[0], at[1], density_p);
-  const Floats over = dot(second.normal, lines.p) - second.offset, height = greatest(over, all(kLeast));
+  const Floats over = dot(second.normal, lines.p) - second.offset, height = greatest(over, Floats(kLeast));
   Floats aside[2], turn[2];
   for (int axis = 0; axis < 2; ++axis) {
     const Floats foot = dot(rectangle.axes[axis], lines.p);
-    const Floats low = arcTangent(rectangle.range[axis][0] - foot, height),
-                 high = arcTangent(rectangle.range[axis][1] - foot, height);
+    const Floats low = arcTangent<Floats>(rectangle.range[axis][0] - foot, height),
+                 high = arcTangent<Floats>(rectangle.range[axis][1] - foot, height);
     turn[axis] = high - low;
-    aside[axis] = height * tangent(low + u[2 + axis] * turn[axis]);
+    aside[axis] = height * tangent<Floats>(low + u[2 + axis] * turn[axis]);
   }
   const auto towards = [&](int axis) __attribute__((always_inline)) {
     return aside[0] * rectangle.axes[0][axis] + aside[1] * rectangle.axes[1][axis] - height * second.normal[axis];
@@ -162,22 +167,25 @@ VIEWPEEL_INLINE Lines drawAngles(const LineEnd<float>& first, const LineEnd<floa
 }
 
 // Draws lines of length 0, from points of one patch to the same points of the other; both lie in one plane.
-VIEWPEEL_INLINE Lines drawContact(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
-  Lines lines;
+template <class Floats>
+VIEWPEEL_INLINE Lines<Floats> drawContact(const LineEnd<float>& first, const LineEnd<float>& second, const Floats* u) {
+  Lines<Floats> lines;
   lines.p = lines.q = pointOn(first, u[0], u[1], lines.weight);
-  lines.d = Vector{};
+  lines.d = {};
   lines.open = -beyond(second.edges, second.edge_count, lines.p);
   return lines;
 }
 
 // Returns a number for each line: at most 0 where the obstacle blocks it. The line meets the obstacle's plane at p + (t
 // / size) d. All terms are multiplied by size > 0; where size is 0 the line runs along the plane and passes.
-VIEWPEEL_INLINE Floats passing(const Obstacle<float>& by, const Lines& lines) {
+template <class Floats>
+VIEWPEEL_INLINE Floats passing(const Obstacle<float>& by, const Lines<Floats>& lines) {
   if (by.place != BlockerPlace::between)
     return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
   const Floats at_p = dot(by.plane, lines.p) + by.plane[3], slope = dot(by.plane, lines.d);
-  const Floats size = slope < 0.0f ? -slope : slope, t = slope < 0.0f ? at_p : -at_p;
-  const Vector x{size * lines.p.x + t * lines.d.x, size * lines.p.y + t * lines.d.y, size * lines.p.z + t * lines.d.z};
+  const Floats size = sizeOf(slope), t = ifBelow(slope, Floats{}, at_p, -at_p);
+  const LaneVector<Floats> x{size * lines.p.x + t * lines.d.x, size * lines.p.y + t * lines.d.y,
+                             size * lines.p.z + t * lines.d.z};
   Floats most = greatest(-t, t + kLeastSquare - size);
   for (uint32_t e = 0; e < by.edge_count; ++e) most = greatest(most, dot(by.edges[e], x) + by.edges[e][3] * size);
   return most;
@@ -192,20 +200,22 @@ Point pointOf(const float* v) { return {v[0], v[1], v[2]}; }
 Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
 // Returns form factors from points to a polygon, by Lambert's formula. Parts behind a point's plane count negative.
-VIEWPEEL_INLINE Floats pointFormFactors(const Vector& p, const float* normal, const Point* corners, uint32_t count) {
+template <class Floats>
+VIEWPEEL_INLINE Floats pointFormFactors(const LaneVector<Floats>& p, const float* normal, const Point* corners,
+                                        uint32_t count) {
   Floats sum{};
   const auto towards = [&](const Point& corner) __attribute__((always_inline)) {
-    return Vector{corner.x - p.x, corner.y - p.y, corner.z - p.z};
+    return LaneVector<Floats>{corner.x - p.x, corner.y - p.y, corner.z - p.z};
   };
   for (uint32_t k = 0; k < count; ++k) {
-    const Vector a = towards(corners[k]), b = towards(corners[k + 1 < count ? k + 1 : 0]);
-    const Vector across{a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
-    const Floats square = greatest(dot(across, across), all(kLeastSquare)), inverse = inverseRoot(square);
-    const Floats sine = square * inverse, cosine = dot(a, b), size = cosine < 0.0f ? -cosine : cosine;
-    const Floats angle = arcTangent(sine, greatest(size, all(kLeastSquare)));
-    sum += dot(normal, across) * inverse * (cosine < 0.0f ? kHalfTurn - angle : angle);
+    const LaneVector<Floats> a = towards(corners[k]), b = towards(corners[k + 1 < count ? k + 1 : 0]);
+    const LaneVector<Floats> across{a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
+    const Floats square = greatest(dot(across, across), Floats(kLeastSquare)), inverse = inverseRoot(square);
+    const Floats sine = square * inverse, cosine = dot(a, b), size = sizeOf(cosine);
+    const Floats angle = arcTangent<Floats>(sine, greatest(size, Floats(kLeastSquare)));
+    sum += dot(normal, across) * inverse * ifBelow(cosine, Floats{}, kHalfTurn - angle, angle);
   }
-  return (sum < 0.0f ? -sum : sum) * kInverseTurn;
+  return sizeOf(sum) * kInverseTurn;
 }
 
 }  // namespace
@@ -273,16 +283,18 @@ void LineDrawer::warpTowards(const Point* corners, uint32_t count, Vectors vecto
   constexpr int kBins = Warp::kBins;
   static_assert(kLineLanes == 2 * kBins);
   float shares[kBins * kBins];
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) {
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        using Floats = typename Types::Floats;
         for (int row = 0; row < kBins; row += 2) {
-          Floats s, t, density;
+          float s[kLineLanes], t[kLineLanes];
           for (int lane = 0; lane < kLineLanes; ++lane)
             s[lane] = (float(row + lane / kBins) + 0.5f) / kBins, t[lane] = (float(lane % kBins) + 0.5f) / kBins;
-          const Vector p = pointOn(first_, s, t, density);
+          Floats density;
+          const LaneVector<Floats> p = pointOn(first_, load<Floats>(s), load<Floats>(t), density);
           const Floats over = dot(second_.normal, p) - second_.offset;
-          const Floats share = keep(over, pointFormFactors(p, first_.normal, corners, count) * density);
-          std::memcpy(shares + row * kBins, &share, sizeof share);
+          const Floats share = keep<Floats>(over, pointFormFactors(p, first_.normal, corners, count) * density);
+          std::memcpy(shares + row * kBins, share.of, sizeof share.of);
         }
       });
   float sums[2][kBins] = {}, all_shares = 0;
@@ -308,13 +320,16 @@ void LineDrawer::warpTowards(const Point* corners, uint32_t count, Vectors vecto
 DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end,
                             Vectors vectors) const {
   DrawnLines sums;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { sums = drawAll(scrambles, first, end); });
+  runInLanes(
+      vectors, [&]<class Types>(Types)
+                   __attribute__((always_inline)) { sums = drawAll<Types>(scrambles, first, end); });
   return sums;
 }
 
+template <class Types>
 [[gnu::always_inline]] inline DrawnLines LineDrawer::drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first,
                                                              uint32_t end) const {
+  using Floats = typename Types::Floats;
   uint32_t digits[4] = {};
   for (int d = 0; d < 4; ++d)
     for (uint32_t gray = first ^ first >> 1, k = 0; gray >> k; ++k)
@@ -324,18 +339,18 @@ DrawnLines LineDrawer::draw(const std::array<uint32_t, 4>& scrambles, uint32_t f
   for (uint32_t block = first; block < end; ++block) {
     Floats u[4];
     for (int d = 0; d < 4; ++d) {
-      u[d] = scrambled(load<Words>(kSobol.lanes[d]) ^ all(digits[d]), scrambles[d]);
+      u[d] = scrambled(load<typename Types::Words>(kSobol.lanes[d]) ^ digits[d], scrambles[d]);
       digits[d] ^= kSobol.of[d][4 + std::countr_zero(block + 1)];
     }
-    Lines lines = way_ == LineWay::points   ? drawPoints(first_, second_, u)
-                  : way_ == LineWay::angles ? drawAngles(first_, second_, rectangle_, warps_, u)
-                                            : drawContact(first_, second_, u);
-    const Floats weight = keep(lines.open, least(unit_ * lines.weight, all(kMostWeight)));
+    Lines<Floats> lines = way_ == LineWay::points   ? drawPoints(first_, second_, u)
+                          : way_ == LineWay::angles ? drawAngles(first_, second_, rectangle_, warps_, u)
+                                                    : drawContact(first_, second_, u);
+    const Floats weight = keep(lines.open, least(unit_ * lines.weight, Floats(kMostWeight)));
     weights += weight;
     squares += weight * weight;
     Floats seen = weight;
     for (size_t k = 0; k < obstacles_.size(); ++k) {
-      seen = passing(obstacles_[k], lines) <= 0.0f ? Floats{} : seen;
+      seen = ifAtMost(passing(obstacles_[k], lines), Floats{}, Floats{}, seen);
       if (k % 4 == 3 && !isAny(seen)) break;
     }
     facing += seen;

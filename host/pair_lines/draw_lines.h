@@ -74,6 +74,7 @@ class LineDrawer {
   };
   void frameSecond(const LaneVector<float>* corners, uint32_t count);
   void warpTowards(const LaneVector<float>* corners, uint32_t count, Vectors vectors);
+  template <class Types>
   DrawnLines drawAll(const std::array<uint32_t, 4>& scrambles, uint32_t first, uint32_t end) const;
 
   LineWay way_;

@@ -1,4 +1,4 @@
-// Lanes hold a number for each of sixteen lines, or of eight blockers; one vector instruction acts on all. Without
+// Lanes hold a number for each of sixteen lines, or of eight blockers; few vector instructions act on all. Without
 // contraction every lane rounds as a scalar would, so results are the same bits everywhere.
 //
 // Vulkan devices round sums, differences and products in single precision correctly, quotients and roots to 2.5 ulp or
@@ -8,6 +8,9 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <utility>
+
+#include "engines/vectorised.h"
 
 #if defined(__GNUC__) && !defined(__clang__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // every function that passes lanes is inlined
@@ -19,65 +22,186 @@ namespace viewpeel {
 
 constexpr int kLineLanes = 16, kBlockerLanes = 8;
 
-using Floats = float __attribute__((vector_size(4 * kLineLanes)));
-using Words = uint32_t __attribute__((vector_size(4 * kLineLanes)));
-using Integers = int32_t __attribute__((vector_size(4 * kLineLanes)));
-using Doubles = double __attribute__((vector_size(8 * kBlockerLanes)));
+// Lanes are kept in pieces as large as the processor's vectors. GCC splits comparisons of larger vectors into single
+// lanes (tree-vect-generic.cc, expand_vector_condition).    Template: kBytes: of a piece
+template <class Number, int kLanes, int kBytes>
+struct LanesOf {
+  static constexpr int kInPiece = kBytes / int(sizeof(Number)), kPieces = kLanes / kInPiece;
+  typedef Number Piece __attribute__((vector_size(kBytes)));  // GCC takes no such attribute of an alias
+  typedef Number StoredPiece __attribute__((vector_size(kBytes), aligned(sizeof(Number)), may_alias));
+  using Floats = LanesOf<float, kLanes, kBytes>;
+  using Words = LanesOf<uint32_t, kLanes, kBytes>;
 
-VIEWPEEL_INLINE Floats all(float x) { return x - Floats{}; }
-VIEWPEEL_INLINE Words all(uint32_t x) { return x - Words{}; }
-VIEWPEEL_INLINE Doubles all(double x) { return x - Doubles{}; }
+  Piece of[kPieces] = {};
 
-template <class Lanes, class Number>
-VIEWPEEL_INLINE Lanes load(const Number* from) {
-  Lanes lanes;
-  std::memcpy(&lanes, from, sizeof lanes);
-  return lanes;
-}
+  LanesOf() = default;
+  // Makes lanes that all hold x.
+  VIEWPEEL_INLINE LanesOf(Number x) {
+    *this = make([&](int) __attribute__((always_inline)) { return x - Piece{}; });
+  }
+  // Makes lanes whose piece k is piece_of(k).
+  template <class PieceOf>
+  VIEWPEEL_INLINE static LanesOf make(const PieceOf& piece_of) {
+    LanesOf lanes;
+    [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+      ((lanes.of[k] = piece_of(k)), ...);
+    }
+    (std::make_integer_sequence<int, kPieces>{});
+    return lanes;
+  }
 
-// A condition is a number for each lane: above 0 means true. Numbers serve better than integers: compilers that do not
-// know the processor split comparisons into single lanes where the result is an integer.
-VIEWPEEL_INLINE Floats least(const Floats& a, const Floats& b) { return a < b ? a : b; }
-VIEWPEEL_INLINE Floats greatest(const Floats& a, const Floats& b) { return a > b ? a : b; }
-VIEWPEEL_INLINE Doubles least(const Doubles& a, const Doubles& b) { return a < b ? a : b; }
-VIEWPEEL_INLINE Doubles greatest(const Doubles& a, const Doubles& b) { return a > b ? a : b; }
+  VIEWPEEL_INLINE Number operator[](int lane) const { return of[lane / kInPiece][lane % kInPiece]; }
+  VIEWPEEL_INLINE void set(int lane, Number x) { of[lane / kInPiece][lane % kInPiece] = x; }
 
+#define VIEWPEEL_OPERATOR(op)                                                              \
+  VIEWPEEL_INLINE friend LanesOf operator op(const LanesOf& a, const LanesOf& b) {         \
+    return make([&](int k) __attribute__((always_inline)) { return a.of[k] op b.of[k]; }); \
+  }                                                                                        \
+  VIEWPEEL_INLINE LanesOf& operator op##=(const LanesOf& b) { return *this = *this op b; }
+  VIEWPEEL_OPERATOR(+)
+  VIEWPEEL_OPERATOR(-)
+  VIEWPEEL_OPERATOR(*)
+  VIEWPEEL_OPERATOR(/)
+  VIEWPEEL_OPERATOR(^)
+  VIEWPEEL_OPERATOR(&)
+  VIEWPEEL_OPERATOR(|)
+#undef VIEWPEEL_OPERATOR
+  VIEWPEEL_INLINE friend LanesOf operator-(const LanesOf& a) {
+    return make([&](int k) __attribute__((always_inline)) { return -a.of[k]; });
+  }
+  VIEWPEEL_INLINE friend LanesOf operator<<(const LanesOf& a, int by) {
+    return make([&](int k) __attribute__((always_inline)) { return a.of[k] << by; });
+  }
+  VIEWPEEL_INLINE friend LanesOf operator>>(const LanesOf& a, int by) {
+    return make([&](int k) __attribute__((always_inline)) { return a.of[k] >> by; });
+  }
+
+  // Return x in lanes where a is below b, or at most b, and y in others.
+  VIEWPEEL_INLINE friend LanesOf ifBelow(const LanesOf& a, const LanesOf& b, const LanesOf& x, const LanesOf& y) {
+    return make([&](int k) __attribute__((always_inline)) { return a.of[k] < b.of[k] ? x.of[k] : y.of[k]; });
+  }
+  VIEWPEEL_INLINE friend LanesOf ifAtMost(const LanesOf& a, const LanesOf& b, const LanesOf& x, const LanesOf& y) {
+    return make([&](int k) __attribute__((always_inline)) { return a.of[k] <= b.of[k] ? x.of[k] : y.of[k]; });
+  }
+  VIEWPEEL_INLINE friend LanesOf least(const LanesOf& a, const LanesOf& b) { return ifBelow(a, b, a, b); }
+  VIEWPEEL_INLINE friend LanesOf greatest(const LanesOf& a, const LanesOf& b) { return ifBelow(b, a, a, b); }
+};
+
+VIEWPEEL_INLINE float ifBelow(float a, float b, float x, float y) { return a < b ? x : y; }
+VIEWPEEL_INLINE double ifBelow(double a, double b, double x, double y) { return a < b ? x : y; }
 VIEWPEEL_INLINE float least(float a, float b) { return a < b ? a : b; }
 VIEWPEEL_INLINE float greatest(float a, float b) { return a > b ? a : b; }
 VIEWPEEL_INLINE double least(double a, double b) { return a < b ? a : b; }
 VIEWPEEL_INLINE double greatest(double a, double b) { return a > b ? a : b; }
 
+// LaneTypes are the lanes of a processor whose vectors have this number of bytes.
+template <int kBytes>
+struct LaneTypes {
+  using Floats = LanesOf<float, kLineLanes, kBytes>;
+  using Words = LanesOf<uint32_t, kLineLanes, kBytes>;
+  using Doubles = LanesOf<double, kBlockerLanes, kBytes>;
+};
+
+#if defined(__x86_64__)
+template <class Work>
+[[gnu::target("avx2")]] void runInLanesOfAvx2(const Work& work) {
+  work(LaneTypes<32>{});
+}
+template <class Work>
+[[gnu::target("avx512vl,avx512dq,avx512bw")]] void runInLanesOfAvx512(const Work& work) {
+  work(LaneTypes<64>{});
+}
+#endif
+// Calls work(LaneTypes), compiled for these vectors.    In: work: an always_inline lambda
+template <class Work>
+void runInLanes(Vectors vectors, const Work& work) {
+#if defined(__x86_64__)
+  if (vectors == Vectors::avx512) return runInLanesOfAvx512(work);
+  if (vectors == Vectors::avx2) return runInLanesOfAvx2(work);
+#endif
+  work(LaneTypes<16>{});
+}
+
+// Reads numbers that stand one after another. memcpy would go through small copies on the stack, on which reading a
+// whole piece waits.
+template <class Lanes, class Number>
+VIEWPEEL_INLINE Lanes load(const Number* from) {
+  return Lanes::make([&](int k) __attribute__((always_inline)) {
+    return typename Lanes::Piece(*reinterpret_cast<const typename Lanes::StoredPiece*>(from + k * Lanes::kInPiece));
+  });
+}
+
 // Returns x where the condition is above 0, else 0.
-VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) { return condition > 0.0f ? x : Floats{}; }
+template <class Floats>
+VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) {
+  return ifBelow(Floats{}, condition, x, Floats{});
+}
+// Returns the numbers without their signs.
+template <class Number>
+VIEWPEEL_INLINE Number sizeOf(const Number& x) {
+  return ifBelow(x, Number{}, -x, x);
+}
 
 // Returns the largest lane.
+template <class Doubles>
 VIEWPEEL_INLINE double largestOf(const Doubles& x) {
   const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], c = x[4] > x[5] ? x[4] : x[5],
                d = x[6] > x[7] ? x[6] : x[7], e = a > b ? a : b, f = c > d ? c : d;
   return e > f ? e : f;
 }
-VIEWPEEL_INLINE double leastOf(const Doubles& x) { return -largestOf(-x); }
+template <class Doubles>
+VIEWPEEL_INLINE double leastOf(const Doubles& x) {
+  return -largestOf(-x);
+}
 
 // Returns whether any lane is not 0.
+template <class Floats>
 VIEWPEEL_INLINE bool isAny(const Floats& x) {
   uint64_t words[kLineLanes / 2], any = 0;
-  std::memcpy(words, &x, sizeof words);
+  std::memcpy(words, x.of, sizeof words);
   for (const uint64_t word : words) any |= word;
   return any != 0;
 }
 
 // Returns the sum of all lanes. It adds lanes 8 apart first, then 4, 2 and 1, as the shaders do.
+template <class Floats>
 VIEWPEEL_INLINE float sumOf(const Floats& x) {
   float sums[kLineLanes];
-  std::memcpy(sums, &x, sizeof sums);
+  std::memcpy(sums, x.of, sizeof sums);
   for (int half = kLineLanes / 2; half > 0; half /= 2)
     for (int k = 0; k < half; ++k) sums[k] += sums[k + half];
   return sums[0];
 }
 
-VIEWPEEL_INLINE Words bitsOf(const Floats& x) { return (Words)x; }
+// Returns the numbers of words below 2^31.
+template <class Words>
+VIEWPEEL_INLINE auto floatsOf(const Words& words) {
+  using Floats = typename Words::Floats;
+  using Integers = typename LanesOf<int32_t, kLineLanes, int(sizeof(typename Words::Piece))>::Piece;
+  return Floats::make([&](int k) __attribute__((always_inline)) {
+    return __builtin_convertvector((Integers)words.of[k], typename Floats::Piece);
+  });
+}
+// Returns the whole parts of numbers from 0 to 2^31.
+template <class Floats>
+VIEWPEEL_INLINE Floats wholeOf(const Floats& x) {
+  using Integers = typename LanesOf<int32_t, kLineLanes, int(sizeof(typename Floats::Piece))>::Piece;
+  return Floats::make([&](int k) __attribute__((always_inline)) {
+    return __builtin_convertvector(__builtin_convertvector(x.of[k], Integers), typename Floats::Piece);
+  });
+}
+
+template <class Floats>
+VIEWPEEL_INLINE typename Floats::Words bitsOf(const Floats& x) {
+  using Words = typename Floats::Words;
+  return Words::make([&](int k) __attribute__((always_inline)) { return (typename Words::Piece)x.of[k]; });
+}
 VIEWPEEL_INLINE uint32_t bitsOf(float x) { return std::bit_cast<uint32_t>(x); }
-VIEWPEEL_INLINE Floats numberOf(const Words& bits) { return (Floats)bits; }
+template <class Words>
+VIEWPEEL_INLINE typename Words::Floats numberOf(const Words& bits) {
+  using Floats = typename Words::Floats;
+  return Floats::make([&](int k) __attribute__((always_inline)) { return (typename Floats::Piece)bits.of[k]; });
+}
 VIEWPEEL_INLINE float numberOf(uint32_t bits) { return std::bit_cast<float>(bits); }
 
 // Returns 1 / x for x in [2^-125, 2^125], to 3e-7 of itself. The bits of x make a first guess, and each of Newton's

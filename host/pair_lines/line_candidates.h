@@ -15,6 +15,7 @@ constexpr float kLeastSlope = 1e-18f;  // least slope that is divided by, so tha
 
 // Generators are sixteen generators xoshiro128++ side by side (D. Blackman, S. Vigna, Scrambled linear pseudorandom
 // number generators, ACM Trans. Math. Softw. 47, 2021).
+template <class Words>
 struct Generators {
   Words state[4];
 
@@ -46,8 +47,9 @@ struct Generators {
 constexpr int kNumbers = 5;  // random numbers that a candidate takes; the last one decides whether it is kept
 
 // Returns numbers in [0, 1) of 24 random bits.
-VIEWPEEL_INLINE Floats unitNumber(const Words& words) {
-  return __builtin_convertvector((Integers)(words >> 8), Floats) * 0x1p-24f;
+template <class Words>
+VIEWPEEL_INLINE typename Words::Floats unitNumber(const Words& words) {
+  return floatsOf(words >> 8) * 0x1p-24f;
 }
 
 // Returns a random number in [0, 1) of 53 bits, which begin with the bits of words[d].    In: words: kNumbers
@@ -72,12 +74,9 @@ VIEWPEEL_INLINE void require(Candidates<Lanes>& lines, const Lanes& above_0, con
   lines.inside = least(lines.inside, above_0 - error), lines.outside = least(lines.outside, above_0 + error);
 }
 
-VIEWPEEL_INLINE Floats filled(float x, const Floats&) { return all(x); }
-VIEWPEEL_INLINE double filled(double x, double) { return x; }
-VIEWPEEL_INLINE Floats sizeOf(const Floats& x) { return x < 0.0f ? -x : x; }
-VIEWPEEL_INLINE double sizeOf(double x) { return x < 0 ? -x : x; }
+template <class Floats>
 VIEWPEEL_INLINE Floats rootOf(Floats x) {
-  for (int lane = 0; lane < kLineLanes; ++lane) x[lane] = __builtin_sqrtf(x[lane]);
+  for (int lane = 0; lane < kLineLanes; ++lane) x.set(lane, __builtin_sqrtf(x[lane]));
   return x;
 }
 VIEWPEEL_INLINE double rootOf(double x) { return __builtin_sqrt(x); }
@@ -89,12 +88,12 @@ VIEWPEEL_INLINE Candidates<Lanes> drawPoints(const Geometry& of, const Lanes* u)
   lines.p = pointOn(of.first, u[0], u[1], density_p);
   lines.q = pointOn(of.second, u[2], u[3], density_q);
   lines.d = {lines.q.x - lines.p.x, lines.q.y - lines.p.y, lines.q.z - lines.p.z};
-  lines.arrival = filled(1, u[0]), lines.arrival_error = filled(0, u[0]);
+  lines.arrival = Lanes(1), lines.arrival_error = Lanes(0);
   const Lanes out = dot(of.first.normal, lines.d), in = -dot(of.second.normal, lines.d), square = dot(lines.d, lines.d);
   lines.weight = (out * in) / (square * square) * (density_p * density_q) * of.scale;
-  lines.inside = lines.outside = filled(1, u[0]);
-  require(lines, out, filled(of.place_error, u[0]));
-  require(lines, in, filled(of.place_error, u[0]));
+  lines.inside = lines.outside = Lanes(1);
+  require(lines, out, Lanes(of.place_error));
+  require(lines, in, Lanes(of.place_error));
   return lines;
 }
 
@@ -105,26 +104,26 @@ VIEWPEEL_INLINE Candidates<Lanes> drawDirections(const Geometry& of, const Lanes
   lines.p = pointOn(of.first, u[0], u[1], density);
   // The direction is uniform in a part of the disk below the hemisphere, by W. Nusselt's projection (1928).
   const Lanes x = of.disk_low[0] + of.disk_size[0] * u[2], y = of.disk_low[1] + of.disk_size[1] * u[3],
-              cosine2 = 1.0f - x * x - y * y, z = rootOf(greatest(cosine2, filled(of.least_cosine2, x)));
+              cosine2 = 1.0f - x * x - y * y, z = rootOf(greatest(cosine2, Lanes(of.least_cosine2)));
   const auto along = [&](int axis) __attribute__((always_inline)) {
     return x * of.axes[0][axis] + y * of.axes[1][axis] + z * of.axes[2][axis];
   };
   lines.d = {along(0), along(1), along(2)};
   const Lanes height = dot(of.second.normal, lines.p) - of.second.offset, slope = -dot(of.second.normal, lines.d),
-              inverse = 1.0f / greatest(slope, filled(kLeastSlope, x));
+              inverse = 1.0f / greatest(slope, Lanes(kLeastSlope));
   lines.arrival = height * inverse;
   lines.arrival_error = of.place_error * (1.0f + sizeOf(lines.arrival)) * inverse;
   lines.q = {lines.p.x + lines.arrival * lines.d.x, lines.p.y + lines.arrival * lines.d.y,
              lines.p.z + lines.arrival * lines.d.z};
-  lines.inside = lines.outside = filled(1, x);
-  require(lines, height, filled(of.place_error, x));
-  require(lines, slope, filled(of.place_error, x));
+  lines.inside = lines.outside = Lanes(1);
+  require(lines, height, Lanes(of.place_error));
+  require(lines, slope, Lanes(of.place_error));
   lines.weight = density * of.scale;
   require(lines, -beyond(of.second.edges, of.second.edge_count, lines.q),
           of.place_error + of.reach * lines.arrival_error);
   // Near the disk's rim z = sqrt(1 - x^2 - y^2) is not accurate, so the candidate is undecided.
-  lines.inside = cosine2 > of.least_cosine2 ? lines.inside : filled(-1, x);
-  lines.outside = cosine2 > of.least_cosine2 ? lines.outside : cosine2 + of.least_cosine2;
+  lines.inside = ifBelow(of.least_cosine2, cosine2, lines.inside, Lanes(-1));
+  lines.outside = ifBelow(of.least_cosine2, cosine2, lines.outside, cosine2 + of.least_cosine2);
   return lines;
 }
 
@@ -134,10 +133,10 @@ VIEWPEEL_INLINE Candidates<Lanes> drawContacts(const Geometry& of, const Lanes* 
   Lanes density;
   lines.p = lines.q = pointOn(of.first, u[0], u[1], density);
   lines.d = LaneVector<Lanes>{};
-  lines.arrival = lines.arrival_error = filled(0, u[0]);
-  lines.inside = lines.outside = filled(1, u[0]);
+  lines.arrival = lines.arrival_error = Lanes(0);
+  lines.inside = lines.outside = Lanes(1);
   lines.weight = density * of.scale;
-  require(lines, -beyond(of.second.edges, of.second.edge_count, lines.p), filled(of.place_error, u[0]));
+  require(lines, -beyond(of.second.edges, of.second.edge_count, lines.p), Lanes(of.place_error));
   return lines;
 }
 
@@ -157,9 +156,8 @@ VIEWPEEL_INLINE Lanes passing(const Obstacle<Number>& by, const Geometry& of, co
     error = of.place_error + of.reach * lines.arrival_error;
     return beyond(by.edges, by.edge_count, by.place == BlockerPlace::over_first ? lines.p : lines.q);
   }
-  const Lanes at_p = dot(by.plane, lines.p) + by.plane[3], tilt = dot(by.plane, lines.d),
-              tiny = filled(kLeastSlope, tilt), slope = sizeOf(tilt) < tiny ? tiny : tilt, inverse = 1.0f / slope,
-              t = -at_p * inverse;
+  const Lanes at_p = dot(by.plane, lines.p) + by.plane[3], tilt = dot(by.plane, lines.d), tiny = Lanes(kLeastSlope),
+              slope = ifBelow(sizeOf(tilt), tiny, tiny, tilt), inverse = 1.0f / slope, t = -at_p * inverse;
   const LaneVector<Lanes> x{lines.p.x + t * lines.d.x, lines.p.y + t * lines.d.y, lines.p.z + t * lines.d.z};
   error = of.place_error * (1.0f + of.reach * (1.0f + sizeOf(t)) * sizeOf(inverse)) + of.reach * lines.arrival_error;
   return greatest(of.reach * greatest(-t, t - lines.arrival), beyond(by.edges, by.edge_count, x));

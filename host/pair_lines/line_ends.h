@@ -79,8 +79,8 @@ VIEWPEEL_INLINE LaneVector<Lanes> pointOn(const LineEnd<Number>& of, Lanes s, La
   if (of.is_folded) {
     // This map folds the square onto the triangle and keeps areas in proportion (E. Heitz, A low-distortion map between
     // triangle and square, 2019).
-    const Lanes half_s = 0.5f * s, half_t = 0.5f * t, folded_s = t > s ? half_s : s - half_t;
-    t = t > s ? t - half_s : half_t;
+    const Lanes half_s = 0.5f * s, half_t = 0.5f * t, folded_s = ifBelow(s, t, half_s, s - half_t);
+    t = ifBelow(s, t, t - half_s, half_t);
     s = folded_s;
   }
   const Lanes st = s * t;

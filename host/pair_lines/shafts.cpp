@@ -17,6 +17,9 @@ dvec3 cornerOf(const Box& box, int k) {
 
 Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
 
+constexpr double kInfinity = INFINITY;
+
+template <class Doubles>
 VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker) {
   return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
 }
@@ -99,16 +102,18 @@ void Shaft::addPlane(const dvec3& normal, double offset) {
 
 void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const {
   to.clear(from.size());
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { keepInsideAll(from, to); });
+  runInLanes(
+      vectors, [&]<class Types>(Types)
+                   __attribute__((always_inline)) { keepInsideAll<typename Types::Doubles>(from, to); });
   to.close();
 }
 
+template <class Doubles>
 [[gnu::always_inline]] inline void Shaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
   for (size_t g = 0; g < from.groupCount(); ++g) {
     const BlockerList::Group& group = from.group(g);
     // Each lane is one blocker's box: the distance of its nearest point from the shaft, below 0 inside.
-    Doubles outside = all(-double(INFINITY));
+    Doubles outside = -kInfinity;
     for (int axis = 0; axis < 3; ++axis) {
       outside = greatest(outside, load<Doubles>(group.bounds[axis]) - both_.high[axis]);
       outside = greatest(outside, both_.low[axis] - load<Doubles>(group.bounds[3 + axis]));
@@ -137,8 +142,12 @@ Corners::Corners(const Patch& a, const Box& b) : count_(4), middles_{a.middle, 0
       first_[axis][k] = a.corners[k % 4][axis], second_[axis][k] = cornerOf(b, k)[axis];
 }
 
+template <class Doubles>
 [[gnu::always_inline]] inline bool Corners::areHiddenBy(const Blocker& blocker) const {
-  const Doubles from = heightsOf(first_, blocker), to = heightsOf(second_, blocker);
+  Doubles first[3], second[3];
+  for (int axis = 0; axis < 3; ++axis)
+    first[axis] = load<Doubles>(first_[axis]), second[axis] = load<Doubles>(second_[axis]);
+  const Doubles from = heightsOf(first, blocker), to = heightsOf(second, blocker);
   const double least_from = leastOf(from), largest_from = largestOf(from), least_to = leastOf(to),
                largest_to = largestOf(to);
   const bool is_between = (least_from > kTouchingShaft && largest_to < -kTouchingShaft) ||
@@ -146,9 +155,9 @@ Corners::Corners(const Patch& a, const Box& b) : count_(4), middles_{a.middle, 0
   if (!is_between) return false;
   for (int i = 0; i < count_; ++i) {
     const double p[3] = {first_[0][i], first_[1][i], first_[2][i]}, height = from[i];
-    const Doubles t = height / (height - to), x = p[0] + t * (second_[0] - p[0]), y = p[1] + t * (second_[1] - p[1]),
-                  z = p[2] + t * (second_[2] - p[2]);
-    Doubles beyond = all(-double(INFINITY));
+    const Doubles t = height / (height - to), x = p[0] + t * (second[0] - p[0]), y = p[1] + t * (second[1] - p[1]),
+                  z = p[2] + t * (second[2] - p[2]);
+    Doubles beyond = -kInfinity;
     for (uint32_t e = 0; e < blocker.corner_count; ++e) {
       const dvec3& m = blocker.edge_normals[e];
       beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
@@ -160,15 +169,17 @@ Corners::Corners(const Patch& a, const Box& b) : count_(4), middles_{a.middle, 0
 
 bool Corners::areHidden(const Blocker& blocker, Vectors vectors) const {
   bool are_hidden = false;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { are_hidden = areHiddenBy(blocker); });
+  runInLanes(
+      vectors, [&]<class Types>(Types)
+                   __attribute__((always_inline)) { are_hidden = areHiddenBy<typename Types::Doubles>(blocker); });
   return are_hidden;
 }
 
 uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const {
   uint32_t found = UINT32_MAX;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) {
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        using Doubles = typename Types::Doubles;
         // A blocker that hides the second end meets the line between the middles of both ends. So boxes that this line
         // misses are passed over.
         constexpr double kLeast = 1e-300;
@@ -179,7 +190,7 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
         }
         for (size_t g = 0; g < list.groupCount(); ++g) {
           const BlockerList::Group& group = list.group(g);
-          Doubles enters = all(0.0), leaves = all(1.0);
+          Doubles enters = 0, leaves = 1;
           for (int axis = 0; axis < 3; ++axis) {
             const Doubles one = (load<Doubles>(group.bounds[axis]) - middles_[0][axis]) * per_length[axis],
                           other = (load<Doubles>(group.bounds[3 + axis]) - middles_[0][axis]) * per_length[axis];
@@ -188,7 +199,7 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
           const Doubles inside = leaves - enters;
           for (int k = 0; k < kBlockerLanes; ++k) {
             if (!(inside[k] >= -kTouchingShaft) || group.indices[k] == UINT32_MAX) continue;
-            if (!areHiddenBy(blockers[group.indices[k]])) continue;
+            if (!areHiddenBy<Doubles>(blockers[group.indices[k]])) continue;
             found = group.indices[k];
             return;
           }
@@ -251,9 +262,10 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   planes_[3][plane_count_++] = -offset;
 }
 
+template <class Doubles>
 [[gnu::always_inline]] inline bool PatchShaft::isOutside(const Blocker& blocker) const {
   const double *x = planes_[0], *y = planes_[1], *z = planes_[2], *w = planes_[3];
-  Doubles nearest[2] = {all(double(INFINITY)), all(double(INFINITY))};
+  Doubles nearest[2] = {kInfinity, kInfinity};
   for (uint32_t c = 0; c < blocker.corner_count; ++c)
     for (int half = 0; half < 2; ++half) {
       const int at = half * kBlockerLanes;
@@ -265,8 +277,16 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
 }
 
+template <class Doubles>
+[[gnu::always_inline]] inline Doubles PatchShaft::heightsOver(const Blocker& blocker) const {
+  Doubles corners[3];
+  for (int axis = 0; axis < 3; ++axis) corners[axis] = load<Doubles>(corners_[axis]);
+  return heightsOf(corners, blocker);
+}
+
 // Returns whether the blocker hides all of b from a.
 //   In: heights: of the eight corners over the blocker's plane, four of a and four of b
+template <class Doubles>
 [[gnu::always_inline]] inline bool PatchShaft::hides(const Blocker& blocker, const Doubles& heights) const {
   int above_a = 0, above_b = 0, below_a = 0, below_b = 0;
   for (int k = 0; k < 4; ++k) {
@@ -275,6 +295,8 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
   }
   const bool is_between = (above_a && !below_a && below_b && !above_b) || (below_a && !above_a && above_b && !below_b);
   if (!is_between) return false;
+  Doubles corners[3];
+  for (int axis = 0; axis < 3; ++axis) corners[axis] = load<Doubles>(corners_[axis]);
   for (int i = 0; i < 4; ++i) {
     const double p[3] = {corners_[0][i], corners_[1][i], corners_[2][i]}, height = heights[i];
     // Lanes 4 to 7 are the lines to b's corners.
@@ -282,11 +304,11 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
     for (int j = 4; j < 8; ++j)
       if (!(difference[j] != 0)) return false;
     const Doubles t = height / difference;
-    Doubles beyond = all(-double(INFINITY));
+    Doubles beyond = -kInfinity;
     for (uint32_t e = 0; e < blocker.corner_count; ++e) {
       const dvec3& m = blocker.edge_normals[e];
-      const Doubles at = m.x * (p[0] + t * (corners_[0] - p[0])) + m.y * (p[1] + t * (corners_[1] - p[1])) +
-                         m.z * (p[2] + t * (corners_[2] - p[2])) - blocker.edge_offsets[e];
+      const Doubles at = m.x * (p[0] + t * (corners[0] - p[0])) + m.y * (p[1] + t * (corners[1] - p[1])) +
+                         m.z * (p[2] + t * (corners[2] - p[2])) - blocker.edge_offsets[e];
       beyond = greatest(beyond, at);
     }
     for (int j = 4; j < 8; ++j)
@@ -298,8 +320,10 @@ void PatchShaft::addPlane(const dvec3& normal, double offset) {
 bool PatchShaft::isHiddenBy(const Blocker& blocker, Vectors vectors) const {
   if (blocker.plane == a_.plane || blocker.plane == b_.plane) return false;
   bool is_hidden = false;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { is_hidden = hides(blocker, heightsOf(corners_, blocker)); });
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        is_hidden = hides(blocker, heightsOver<typename Types::Doubles>(blocker));
+      });
   return is_hidden;
 }
 
@@ -308,11 +332,14 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
   if (from.size() == 0) return false;
   findPlanes();
   bool is_hidden = false;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { is_hidden = isHiddenByOne(blockers, from, between); });
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        is_hidden = isHiddenByOne<typename Types::Doubles>(blockers, from, between);
+      });
   return is_hidden;
 }
 
+template <class Doubles>
 [[gnu::always_inline]] inline bool PatchShaft::isHiddenByOne(const std::vector<Blocker>& blockers,
                                                              const BlockerList& from,
                                                              std::vector<uint32_t>& between) const {
@@ -323,7 +350,7 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
     const BlockerList::Group& group = from.group(g);
     // Eight boxes at once are tested against the shaft first, then the corners of blockers whose boxes reach into it.
     // Each lane is the distance of a box's nearest point from the shaft, below 0 inside.
-    Doubles outside = all(-double(INFINITY));
+    Doubles outside = -kInfinity;
     for (int p = 0; p < used_planes_; ++p)
       outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +
                                       planes_[1][p] * load<Doubles>(group.bounds[bounds[1][p]]) +
@@ -332,9 +359,9 @@ bool PatchShaft::isHidden(const std::vector<Blocker>& blockers, const BlockerLis
       if (!(outside[k] < -kTouchingShaft)) continue;
       const Blocker& blocker = blockers[group.indices[k]];
       if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
-      const Doubles heights = heightsOf(corners_, blocker);
+      const Doubles heights = heightsOver<Doubles>(blocker);
       if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
-      if (isOutside(blocker)) continue;
+      if (isOutside<Doubles>(blocker)) continue;
       between.push_back(group.indices[k]);
       if (hides(blocker, heights)) return true;
     }
@@ -353,19 +380,22 @@ bool PatchShaft::isOutside(const std::array<dvec3, 2>& ends) const {
 bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span<const uint32_t> between,
                                  Vectors vectors) const {
   // Eight lines between points near the corners of a and b: four to the corner of the same index, four crosswise.
-  Doubles p[3], q[3];
+  alignas(64) double starts[3][8], ends[3][8];
   constexpr double kToMiddle = 0.05;
   for (int axis = 0; axis < 3; ++axis)
     for (int k = 0; k < 8; ++k) {
       const int of_b = k < 4 ? k : (k + 2) % 4;
-      p[axis][k] = glm::mix(a_.corners[k % 4][axis], a_.middle[axis], kToMiddle);
-      q[axis][k] = glm::mix(b_.corners[of_b][axis], b_.middle[axis], kToMiddle);
+      starts[axis][k] = glm::mix(a_.corners[k % 4][axis], a_.middle[axis], kToMiddle);
+      ends[axis][k] = glm::mix(b_.corners[of_b][axis], b_.middle[axis], kToMiddle);
     }
   bool are_blocked = false;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) {
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        using Doubles = typename Types::Doubles;
+        Doubles p[3], q[3];
+        for (int axis = 0; axis < 3; ++axis) p[axis] = load<Doubles>(starts[axis]), q[axis] = load<Doubles>(ends[axis]);
         // A lane is above 0 where no blocker lies on its line.
-        Doubles is_free = all(1.0);
+        Doubles is_free = 1;
         for (const uint32_t index : between) {
           const Blocker& blocker = blockers[index];
           const Doubles from = heightsOf(p, blocker), to = heightsOf(q, blocker), t = from / (from - to);
@@ -375,7 +405,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
             const dvec3& m = blocker.edge_normals[e];
             beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
           }
-          is_free = beyond < kTouchingShaft ? Doubles{} : is_free;
+          is_free = ifBelow(beyond, Doubles(kTouchingShaft), Doubles{}, is_free);
         }
         are_blocked = largestOf(is_free) <= 0;
       });

@@ -35,6 +35,7 @@ class Shaft {
 
  private:
   void addPlane(const glm::dvec3& normal, double offset);
+  template <class Doubles>
   void keepInsideAll(const BlockerList& from, BlockerList& to) const;
   struct OutwardPlane {
     double normal[3];
@@ -58,11 +59,11 @@ class Corners {
   uint32_t findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const;
 
  private:
+  template <class Doubles>
   bool areHiddenBy(const Blocker& blocker) const;
 
-  int count_ = 0;      // of the first end's corners
-  Doubles first_[3];   // coordinates of the first end's corners
-  Doubles second_[3];  // coordinates of the second end's corners
+  int count_ = 0;                                  // of the first end's corners
+  alignas(64) double first_[3][8], second_[3][8];  // coordinates of the first and of the second end's corners
   glm::dvec3 middles_[2];
 };
 
@@ -90,14 +91,19 @@ class PatchShaft {
 
  private:
   void findPlanes();
+  template <class Doubles>
   bool isHiddenByOne(const std::vector<Blocker>& blockers, const BlockerList& from,
                      std::vector<uint32_t>& between) const;
   void addPlane(const glm::dvec3& normal, double offset);
+  template <class Doubles>
   bool isOutside(const Blocker& blocker) const;
+  template <class Doubles>
+  Doubles heightsOver(const Blocker& blocker) const;
+  template <class Doubles>
   bool hides(const Blocker& blocker, const Doubles& heights) const;
 
   const Patch &a_, &b_;
-  Doubles corners_[3];  // four of a, four of b
+  alignas(64) double corners_[3][8];  // four of a, four of b
   int plane_count_ = 0, used_planes_ = 0;
   alignas(64) double planes_[4][16];  // by plane: outward normal and minus its offset; unused planes repeat the first
 };

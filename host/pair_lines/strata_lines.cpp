@@ -24,6 +24,7 @@ struct UniformLines::Cells {
 };
 
 // StrataLines hold x of sixteen lines, one in each of sixteen cells.
+template <class Floats>
 struct UniformLines::StrataLines {
   Floats low, high;  // with open lines taken for blocked, and for facing
   uint64_t open = 0;
@@ -81,9 +82,11 @@ UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const dou
 }
 
 // Draws a line in each of sixteen cells.    In: at: places of the cells along the four axes
-[[gnu::always_inline]] inline UniformLines::StrataLines UniformLines::drawInCells(const Cells& cells, const Floats* at,
-                                                                                  Generators& generators,
-                                                                                  float share) const {
+template <class Floats, class Words>
+[[gnu::always_inline]] inline UniformLines::StrataLines<Floats> UniformLines::drawInCells(const Cells& cells,
+                                                                                          const Floats* at,
+                                                                                          Generators<Words>& generators,
+                                                                                          float share) const {
   Words words[kNumbers] = {};
   Floats u[kNumbers] = {};
   for (int d = 0; d < 4; ++d) {
@@ -91,21 +94,21 @@ UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const dou
     u[d] = (at[d] + unitNumber(words[d])) * (1.0f / float(cells.counts[d]));
   }
   const Candidates<Floats> line = drawCandidate(way_, fast_, u);
-  const Floats one = all(1.0f), none{}, is_line = line.inside > 0.0f ? one : none;
+  const Floats one = 1.0f, none{}, is_line = ifBelow(none, line.inside, one, none);
   // A line is blocked if one blocker surely blocks it, and facing if it surely passes all.
   Floats passed = one, blocked = one, worst = line.outside;
-  if (isAny(worst < 0.0f ? none : one))
+  if (isAny(ifBelow(worst, none, none, one)))
     for (size_t k = 0; k < fast_.obstacles.size(); ++k) {
       Floats error;
       const Floats x = passing(fast_.obstacles[k], fast_, line, error);
       passed = least(passed, x - error), blocked = least(blocked, x + error);
       worst = least(worst, blocked);
-      if (k % 4 == 3 && !isAny(worst < 0.0f ? none : one)) break;
+      if (k % 4 == 3 && !isAny(ifBelow(worst, none, none, one))) break;
     }
-  const Floats is_facing = passed > 0.0f ? is_line : none, is_blocked = blocked < 0.0f ? is_line : none,
-               is_decided = line.outside < 0.0f ? one : greatest(is_facing, is_blocked),
+  const Floats is_facing = ifBelow(none, passed, is_line, none), is_blocked = ifBelow(blocked, none, is_line, none),
+               is_decided = ifBelow(line.outside, none, one, greatest(is_facing, is_blocked)),
                weight = least(greatest(line.weight, none), one);
-  StrataLines lines;
+  StrataLines<Floats> lines;
   lines.low = lines.high = is_line * weight * (is_facing - share);
   if (!isAny(one - is_decided)) return lines;
   for (int lane = 0; lane < kLineLanes; ++lane) {
@@ -114,18 +117,20 @@ UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const dou
     double places[4];
     for (int d = 0; d < 4; ++d) of_lane[d] = words[d][lane], places[d] = double(at[d][lane]);
     const XRange x = decideInCell(of_lane, places, cells, double(share));
-    lines.low[lane] = static_cast<float>(x.low), lines.high[lane] = static_cast<float>(x.high);
+    lines.low.set(lane, static_cast<float>(x.low)), lines.high.set(lane, static_cast<float>(x.high));
     lines.open += x.high > x.low;
   }
   return lines;
 }
 
+template <class Types>
 [[gnu::always_inline]] inline StrataSums UniformLines::drawAllStrata(uint64_t stream, const Cells& cells,
                                                                      float share) const {
-  Generators generators(stream);
+  using Floats = typename Types::Floats;
+  Generators<typename Types::Words> generators(stream);
   const auto all_cells = static_cast<float>(cells.count());
   Floats lanes;
-  for (int lane = 0; lane < kLineLanes; ++lane) lanes[lane] = float(lane);
+  for (int lane = 0; lane < kLineLanes; ++lane) lanes.set(lane, float(lane));
   StrataSums sums{.cells = cells.count()};
   Floats low{}, high{}, low_squares{}, high_squares{};
   for (uint64_t first = 0, block = 1; first < sums.cells; first += kLineLanes, ++block) {
@@ -135,16 +140,17 @@ UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const dou
     for (int d = 0; d < 3; ++d) {
       const auto along = float(cells.counts[d]);
       const Floats over = (rest + 0.5f) * (1.0f / along);
-      const Floats next = __builtin_convertvector(__builtin_convertvector(over, Integers), Floats);
+      const Floats next = wholeOf(over);
       at[d] = rest - next * along, rest = next;
     }
     at[3] = rest;
-    const StrataLines one = drawInCells(cells, at, generators, share),
-                      other = drawInCells(cells, at, generators, share);
+    const StrataLines<Floats> one = drawInCells(cells, at, generators, share),
+                              other = drawInCells(cells, at, generators, share);
     // Lanes beyond the last cell count nothing.
     const Floats exists = all_cells - cell, low_apart = one.low - other.low, high_apart = one.high - other.high;
-    low += keep(exists, one.low + other.low), high += keep(exists, one.high + other.high);
-    low_squares += keep(exists, low_apart * low_apart), high_squares += keep(exists, high_apart * high_apart);
+    low += keep<Floats>(exists, one.low + other.low), high += keep<Floats>(exists, one.high + other.high);
+    low_squares += keep<Floats>(exists, low_apart * low_apart),
+        high_squares += keep<Floats>(exists, high_apart * high_apart);
     sums.open += one.open + other.open;
     if (block % kPortion != 0 && first + kLineLanes < sums.cells) continue;
     for (int lane = 0; lane < kLineLanes; ++lane) {
@@ -159,8 +165,9 @@ UniformLines::XRange UniformLines::decideInCell(const uint32_t* words, const dou
 StrataSums UniformLines::drawStrata(uint64_t stream, uint64_t cells, float share, Vectors vectors) const {
   const Cells cut = cellsOf(cells);
   StrataSums sums;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { sums = drawAllStrata(stream, cut, share); });
+  runInLanes(
+      vectors, [&]<class Types>(Types)
+                   __attribute__((always_inline)) { sums = drawAllStrata<Types>(stream, cut, share); });
   return sums;
 }
 

@@ -184,8 +184,8 @@ UniformLines::Geometry<Number> UniformLines::makeGeometry(const Patch& small, co
 
 UniformLineCount UniformLines::draw(uint64_t stream, uint64_t lines, Vectors vectors) const {
   UniformLineCount count;
-  runVectorised(
-      vectors, [&]() __attribute__((always_inline)) { count = drawAll(stream, lines); });
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) { count = drawAll<Types>(stream, lines); });
   return count;
 }
 
@@ -217,6 +217,7 @@ struct UniformLines::Waiting {
   uint32_t words[kNumbers][kMost] = {};
   int count = 0;
 
+  template <class Floats, class Words>
   VIEWPEEL_INLINE void add(const Candidates<Floats>& lines, const Words* of, int lane) {
     const Floats* const from[] = {&lines.p.x, &lines.p.y,     &lines.p.z,           &lines.d.x,
                                   &lines.d.y, &lines.d.z,     &lines.q.x,           &lines.q.y,
@@ -225,6 +226,7 @@ struct UniformLines::Waiting {
     for (int d = 0; d < kNumbers; ++d) words[d][count] = of[d][lane];
     ++count;
   }
+  template <class Floats>
   VIEWPEEL_INLINE Candidates<Floats> first() const {
     const auto at = [&](int k) __attribute__((always_inline)) { return load<Floats>(figures[k]); };
     return {
@@ -238,21 +240,22 @@ struct UniformLines::Waiting {
 };
 
 // Tests the first waiting lines, sixteen at most, against all obstacles and adds up to `lines` of them to the sum.
+template <class Floats>
 [[gnu::always_inline]] inline void UniformLines::test(const Waiting& waiting, uint64_t lines,
                                                       UniformLineCount& sum) const {
-  const Candidates<Floats> line = waiting.first();
+  const Candidates<Floats> line = waiting.first<Floats>();
   const int here = std::min(waiting.count, kLineLanes);
-  const Floats one = all(1.0f), none{};
+  const Floats one = 1.0f, none{};
   // A line is blocked where one obstacle surely blocks it, and facing where it surely passes all.
   Floats passed = one, blocked = one;
   for (size_t k = 0; k < fast_.obstacles.size(); ++k) {
     Floats error;
     const Floats x = passing(fast_.obstacles[k], fast_, line, error);
     passed = least(passed, x - error), blocked = least(blocked, x + error);
-    if (k % 4 == 3 && !isAny(blocked < 0.0f ? none : one)) break;
+    if (k % 4 == 3 && !isAny(ifBelow(blocked, none, none, one))) break;
   }
-  const Floats is_line = line.inside > 0.0f ? one : none, is_facing = passed > 0.0f ? is_line : none,
-               is_decided = blocked < 0.0f ? is_line : is_facing;
+  const Floats is_line = ifBelow(none, line.inside, one, none), is_facing = ifBelow(none, passed, is_line, none),
+               is_decided = ifBelow(blocked, none, is_line, is_facing);
   if (here == kLineLanes && !isAny(one - is_decided) && sum.lines + kLineLanes <= lines) {
     sum.lines += kLineLanes, sum.facing += static_cast<uint64_t>(sumOf(is_facing));
     return;
@@ -268,8 +271,11 @@ struct UniformLines::Waiting {
   }
 }
 
+template <class Types>
 [[gnu::always_inline]] inline UniformLineCount UniformLines::drawAll(uint64_t stream, uint64_t lines) const {
-  Generators generators(stream);
+  using Floats = typename Types::Floats;
+  using Words = typename Types::Words;
+  Generators<Words> generators(stream);
   UniformLineCount sum;
   Waiting waiting;
   const auto most_candidates =
@@ -285,12 +291,12 @@ struct UniformLines::Waiting {
         u[d] = unitNumber(words[d]);
       }
       Candidates<Floats> candidates = drawCandidate(way_, fast_, u);
-      require(candidates, candidates.weight - u[kNumbers - 1], all(fast_.weight_error));
+      require(candidates, candidates.weight - u[kNumbers - 1], Floats(fast_.weight_error));
       for (int lane = 0; lane < kLineLanes; ++lane)
         if (!(candidates.outside[lane] < 0)) waiting.add(candidates, words, lane);
     }
     if (waiting.count == 0) break;
-    test(waiting, lines, sum);
+    test<Floats>(waiting, lines, sum);
     waiting.removeFirst(std::min(waiting.count, kLineLanes));
   }
   sum.open += lines - sum.lines, sum.lines = lines;

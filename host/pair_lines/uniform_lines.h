@@ -32,6 +32,7 @@ struct UniformLineCount {
   }
 };
 
+template <class Words>
 struct Generators;
 
 // StrataSums hold sums over cells with two lines each. A line has x = w (v - s). Here w is its weight over the largest
@@ -98,15 +99,21 @@ class UniformLines {
   void frameDisk(const Patch& small, const Patch& large, double least_distance);
   void setLengths(const Patch& small, const Patch& large);
   struct Waiting;
+  template <class Floats>
   void test(const Waiting& waiting, uint64_t lines, UniformLineCount& sum) const;
+  template <class Types>
   UniformLineCount drawAll(uint64_t stream, uint64_t lines) const;
   UniformLineCount decide(const uint32_t* words) const;
   struct XRange;
   struct Cells;
+  template <class Floats>
   struct StrataLines;
   Cells cellsOf(uint64_t cells) const;
-  StrataLines drawInCells(const Cells& cells, const Floats* at, Generators& generators, float share) const;
+  template <class Floats, class Words>
+  StrataLines<Floats> drawInCells(const Cells& cells, const Floats* at, Generators<Words>& generators,
+                                  float share) const;
   XRange decideInCell(const uint32_t* words, const double* at, const Cells& cells, double share) const;
+  template <class Types>
   StrataSums drawAllStrata(uint64_t stream, const Cells& cells, float share) const;
 
   UniformWay way_ = UniformWay::contact;
