@@ -122,7 +122,7 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
     text +=
         fmt::format("; {} may be blocked in part and get {} of their own, against {}", counted(lines.partial, "pair"),
                     counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
-  text += fmt::format(" (found in {:.2g} s)\n", lines.seconds);
+  text += fmt::format(" (found in {})\n", inWords(lines.seconds));
   if (lines.least_form_factor > 0)
     text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
                         lines.least_form_factor);
@@ -169,17 +169,17 @@ std::string describePlan(const FormFactorRun& run) {
 }
 
 std::string describePrior(const PriorSummary& prior) {
-  std::string text = fmt::format(
-      "unoccluded form factors of {} of polygons in {:.2g} s; {} of them never blocked in a pilot of {:.2g} s{}\n",
-      counted(prior.pairs, "pair"), prior.unoccluded_seconds, prior.never_blocked, prior.pilot_seconds,
-      prior.unreached ? fmt::format("; {} more are sampled without one", prior.unreached) : "");
+  std::string text =
+      fmt::format("unoccluded form factors of {} of polygons in {}; {} of them never blocked in a pilot of {}{}\n",
+                  counted(prior.pairs, "pair"), inWords(prior.unoccluded_seconds), prior.never_blocked,
+                  inWords(prior.pilot_seconds),
+                  prior.unreached ? fmt::format("; {} more are sampled without one", prior.unreached) : "");
   const uint64_t directed = prior.directed_pairs;
   if (directed)
     text += fmt::format(
-        "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {:.2g} "
-        "s)\n",
+        "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {})\n",
         counted(directed, "pair"), directed == 1 ? "has" : "have", directed == 1 ? "its" : "their",
-        prior.directed_directions, prior.directed_seconds);
+        prior.directed_directions, inWords(prior.directed_seconds));
   return text;
 }
 

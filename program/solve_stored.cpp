@@ -159,7 +159,9 @@ int solveResult(const SolveCommand& command, const MaterialTable& table) {
 }
 
 // Returns whether a file is a result; else it is to be read as a checkpoint, which has its format as a column.
-bool isResult(const std::string& file) { return !Hdf5Input(file).has("format"); }
+bool isResult(const std::string& file) {
+  return !Hdf5Input(file, "result or checkpoint", "take a .h5 that viewpeel wrote, or write it anew").has("format");
+}
 
 }  // namespace
 

@@ -66,18 +66,14 @@ class RowBlocksRun {
         setup_(
             scene, settled(request.request), [this](uint64_t directions) { show(directions); }, [this] { stop(); }),
         lattice_(setup_.lattices().lattice) {
-    directions_ = setup_.estimate().directions;
     if (setup_.resolution()) lattice_.resolution = setup_.resolution();
-    if (setup_.plans()) plan();
-    engine_ = latticeEngines(setup_.engine(), setup_.device())(scene, setup_.ids(), lattice_);
-    units_.measure_area = engine_->unitArea() * scene.scale * scene.scale / directions_;
     units_.relative_floor = setup_.estimate().relative_floor;
     units_.drop_below = request_.drop_below;
   }
 
   RowBlocksSummary run() {
-    summary_.resolution = lattice_.resolution;
     try {
+      plan();
       count();
       write();
     } catch (const Interrupted&) {
@@ -99,8 +95,16 @@ class RowBlocksRun {
     if (observer_.on_progress) observer_.on_progress(progress_);
   }
 
-  // Plans directions and resolution. All polygons share one lattice, and the counts of a replicate fit into memory.
+  // Sets directions and resolution, and makes the engine. All polygons share one lattice. Where pilots plan, the counts
+  // of a replicate fit into memory.
   void plan() {
+    directions_ = setup_.estimate().directions;
+    if (setup_.plans()) planByPilots();
+    engine_ = latticeEngines(setup_.engine(), setup_.device())(scene_, setup_.ids(), lattice_);
+    units_.measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions_;
+    summary_.resolution = lattice_.resolution;
+  }
+  void planByPilots() {
     EstimateOptions options = setup_.estimate();
     options.most_counts = kMostCounts * (setup_.crew() ? setup_.crew()->size() : 1);
     Lattices lattices = setup_.lattices();

@@ -98,7 +98,8 @@ std::string optionsOf(const PlanSummary& plan) {
 }
 
 std::string inWords(double seconds) {
-  if (seconds < 120) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 99.5) return fmt::format("{:.2g} s", seconds);
+  if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} minutes", seconds / 60);
   if (seconds < 48 * 3600) return fmt::format("{:.0f} hours", seconds / 3600);
   return fmt::format("{:.3g} days", seconds / 86400);

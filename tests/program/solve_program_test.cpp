@@ -223,6 +223,8 @@ TEST_F(SolveProgram, TakesAResult) {
   ASSERT_EQ(run("compute " + kOffice + " --from floor --by surface --directions 20 --quiet -o " + file("f.h5")).status,
             0);
   expectRefusal(run("solve --from-result " + file("f.h5") + of), "has some rows only");
+  write("cut.h5", readFile(file("s.h5")).substr(0, 3000));
+  expectRefusal(run("solve --from-result " + file("cut.h5") + of), "cut.h5: not a whole result or checkpoint");
 }
 
 // Without a matrix a .vtp has the answers of the .csv, and no form factors.

@@ -186,6 +186,16 @@ TEST_F(RowBlocks, AStoppedRunWritesNothing) {
   EXPECT_TRUE(found.interrupted);
   EXPECT_FALSE(std::filesystem::exists(file("a.h5")));
   EXPECT_THROW(compute(scene, fixed(), 2, "no_such_folder/a.h5"), Error);
+  // The pilots of a plan may be stopped, too.
+  Request planned = fixed();
+  planned.goal = Tolerance{};
+  int looks = 0;
+  const RowBlocksSummary stopped =
+      computeRowBlocks(scene, {.request = planned, .block_count = 2, .output = file("b.h5")},
+                       {.should_stop = [&] { return ++looks > 3; }});
+  EXPECT_TRUE(stopped.interrupted);
+  EXPECT_EQ(stopped.replicates, 0u);
+  EXPECT_FALSE(std::filesystem::exists(file("b.h5")));
 }
 
 }  // namespace
