@@ -12,7 +12,7 @@
 
 #include "engines/vectorised.h"
 
-#if defined(__GNUC__) && !defined(__clang__)
+#if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // every function that passes lanes is inlined
 #endif
 
@@ -102,7 +102,17 @@ struct LaneTypes {
   using Doubles = LanesOf<double, kBlockerLanes, kBytes>;
 };
 
-#if defined(__x86_64__)
+// Sanitizers check each piece of each operation, so that compilers take minutes over the small pieces of three kinds of
+// processors. Under sanitizers there is one kind, with the largest pieces and the same bits.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define VIEWPEEL_LANES_OF_ONE_KIND
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define VIEWPEEL_LANES_OF_ONE_KIND
+#endif
+#endif
+
+#if defined(__x86_64__) && !defined(VIEWPEEL_LANES_OF_ONE_KIND)
 template <class Work>
 [[gnu::target("avx2")]] void runInLanesOfAvx2(const Work& work) {
   work(LaneTypes<32>{});
@@ -114,12 +124,16 @@ template <class Work>
 #endif
 // Calls work(LaneTypes), compiled for these vectors.    In: work: an always_inline lambda
 template <class Work>
-void runInLanes(Vectors vectors, const Work& work) {
+void runInLanes([[maybe_unused]] Vectors vectors, const Work& work) {
+#if defined(VIEWPEEL_LANES_OF_ONE_KIND)
+  work(LaneTypes<64>{});
+#else
 #if defined(__x86_64__)
   if (vectors == Vectors::avx512) return runInLanesOfAvx512(work);
   if (vectors == Vectors::avx2) return runInLanesOfAvx2(work);
 #endif
   work(LaneTypes<16>{});
+#endif
 }
 
 // Reads numbers that stand one after another. memcpy would go through small copies on the stack, on which reading a
