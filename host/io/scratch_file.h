@@ -9,7 +9,7 @@
 
 namespace viewpeel {
 
-// A ScratchFile has no name, so that it ends with the process.
+// A ScratchFile is a file without a name in its folder, so that the system removes it when the process ends.
 class ScratchFile {
  public:
   // A Place has one list. It moves to the end of the file where the list outgrows its room.
@@ -18,8 +18,8 @@ class ScratchFile {
     size_t count = 0;              // entries
   };
 
-  //   In: beside: the file is in the folder of this file
-  //   Throws: Error output where the folder cannot be written to.
+  //   In: beside: a path; the scratch file is made in the folder of this path
+  //   Throws: Error output where nothing can be written to the folder.
   explicit ScratchFile(const std::filesystem::path& beside);
   ~ScratchFile();
   ScratchFile(const ScratchFile&) = delete;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
-#include <functional>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -116,9 +116,10 @@ class RowBlocksRun {
   void count() {
     rows_.emplace(setup_.crew(), *engine_, setup_.ids(), setup_.engine(), lattice_, request_.block_count,
                   request_.output);
-    for (uint64_t wanted = setup_.estimate().replicates; summary_.replicates < wanted;
-         wanted = std::max(wanted, wantedReplicates()))
+    for (uint64_t wanted = setup_.estimate().replicates; summary_.replicates < wanted; wanted = wantedReplicates()) {
       while (summary_.replicates < wanted) addReplicate();
+      measure();
+    }
   }
 
   void addReplicate() {
@@ -130,56 +131,45 @@ class RowBlocksRun {
     show(0);
   }
 
-  // Returns how many replicates the goal takes. The errors so far predict it, and are measured again after no more than
-  // twice the replicates.
-  uint64_t wantedReplicates() {
+  // Measures all blocks, and puts their reports one after another into `found_`.
+  void measure() {
+    units_.count_area = units_.measure_area * double(summary_.directions) / double(summary_.replicates);
+    const uint32_t ranks = setup_.crew() ? static_cast<uint32_t>(setup_.crew()->size()) : 1;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    found_ = {}, summary_.entries = summary_.most_entries_of_block = 0;
+    for (uint32_t first = 0; first < request_.block_count; first += ranks) {
+      for (const BlockReport& report : rows_->measure(first, units_)) {
+        const uint64_t entries = std::accumulate(report.entry_counts.begin(), report.entry_counts.end(), uint64_t(0));
+        summary_.entries += entries;
+        summary_.most_entries_of_block = std::max(summary_.most_entries_of_block, entries);
+        append(found_.entry_counts, report.entry_counts), append(found_.outside, report.outside);
+        append(found_.row_sums, report.row_sums), append(found_.dropped, report.dropped);
+        found_.dropped_pairs += report.dropped_pairs;
+        found_.largest_standard_error = std::max(found_.largest_standard_error, report.largest_standard_error);
+        found_.largest_relative_error = std::max(found_.largest_relative_error, report.largest_relative_error);
+      }
+      stop();
+    }
+    progress_.largest_standard_error = summary_.largest_standard_error = found_.largest_standard_error;
+  }
+
+  // Returns how many replicates the goal takes, as the errors so far predict it, but at most twice the replicates.
+  uint64_t wantedReplicates() const {
     const std::optional<double> tolerance = setup_.estimate().tolerance, relative = setup_.estimate().relative;
-    if (!tolerance && !relative) return summary_.replicates;
-    double largest = 0, largest_relative = 0;
-    forEachBlock([&](const BlockReport& report) {
-      largest = std::max(largest, report.largest_standard_error);
-      largest_relative = std::max(largest_relative, report.largest_relative_error);
-    });
-    progress_.largest_standard_error = largest;
-    const double ratio =
-        std::max(tolerance ? largest / *tolerance : 0.0, relative ? largest_relative / *relative : 0.0);
+    const double ratio = std::max(tolerance ? found_.largest_standard_error / *tolerance : 0.0,
+                                  relative ? found_.largest_relative_error / *relative : 0.0);
     return static_cast<uint64_t>(std::ceil(double(summary_.replicates) * std::clamp(ratio * ratio, 0.0, 2.0)));
   }
 
-  // Calls work(report) for each block, in order.
-  void forEachBlock(const std::function<void(const BlockReport&)>& work) {
-    units_.count_area = units_.measure_area * double(summary_.directions) / double(summary_.replicates);
-    const uint32_t ranks = setup_.crew() ? static_cast<uint32_t>(setup_.crew()->size()) : 1;
-    for (uint32_t first = 0; first < request_.block_count; first += ranks) {
-      for (const BlockReport& report : rows_->measure(first, units_)) work(report);
-      stop();
-    }
-  }
-
-  // Collects what the frame of the file has: rows, and where each begins.
+  // Writes the frame of the file, which has the rows and where each begins, and the blocks.
   void write() {
     const Ids& ids = setup_.ids();
     const std::vector<uint32_t> rows = ids.rows();
     std::vector<int64_t> starts(ids.rowCount() + 1, 0);
-    std::vector<FormFactors::Entry> outside;
-    std::vector<Measured> row_sums;
-    DroppedSums dropped{request_.drop_below, {}, 0};
-    forEachBlock([&](const BlockReport& report) {
-      uint64_t entries = 0;
-      for (size_t k = 0; k < report.entry_counts.size(); ++k) {
-        starts[rows[row_sums.size() + k] + 1] = static_cast<int64_t>(report.entry_counts[k]);
-        entries += report.entry_counts[k];
-      }
-      summary_.entries += entries;
-      summary_.most_entries_of_block = std::max(summary_.most_entries_of_block, entries);
-      summary_.largest_standard_error = std::max(summary_.largest_standard_error, report.largest_standard_error);
-      outside.insert(outside.end(), report.outside.begin(), report.outside.end());
-      row_sums.insert(row_sums.end(), report.row_sums.begin(), report.row_sums.end());
-      dropped.sums.insert(dropped.sums.end(), report.dropped.begin(), report.dropped.end());
-      dropped.pairs += report.dropped_pairs;
-    });
+    for (size_t id = 0; id < rows.size(); ++id) starts[rows[id] + 1] = static_cast<int64_t>(found_.entry_counts[id]);
     for (size_t row = 1; row < starts.size(); ++row) starts[row] += starts[row - 1];
-    const FormFactors of_rows(ids, std::move(outside), std::move(row_sums));
+    const FormFactors of_rows(ids, std::move(found_.outside), std::move(found_.row_sums));
+    const DroppedSums dropped{request_.drop_below, std::move(found_.dropped), found_.dropped_pairs};
     summary_.closure = measureClosure(of_rows);
     summary_.environment_share = shareOf(of_rows, kEnvironment);
     summary_.leak_share = shareOf(of_rows, kLeak);
@@ -227,6 +217,7 @@ class RowBlocksRun {
   uint32_t directions_ = 0;  // of a replicate
   BlockUnits units_;
   std::optional<RankedRows> rows_;
+  BlockReport found_;  // of all rows
   Progress progress_;
   RowBlocksSummary summary_;
 };

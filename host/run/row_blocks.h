@@ -67,7 +67,8 @@ class RowBlocks {
 
   // Makes form factors of the sums of a block of this rank, and reports on them.
   BlockReport measure(uint32_t block, const BlockUnits& units);
-  // Makes them again, and writes their entries: writeHdf5Block. To keep them would take the memory of all blocks.
+  // Makes the form factors of a block again, and writes them by writeHdf5Block(). Keeping them since measure() would
+  // take the memory of all blocks.
   void write(uint32_t block, const BlockUnits& units, const std::vector<int64_t>& starts,
              const std::map<std::string, uint64_t>& places, const std::string& file);
 

@@ -10,9 +10,9 @@
 namespace viewpeel {
 
 struct RowBlocksRequest {
-  // Form factors that are counted: of the whole matrix, by a lattice engine, without windows for small polygons
-  // (finest), unoccluded form factors, pair lines, balance or a time limit. The goal is a FixedAmount, a Tolerance or a
-  // Relative; a Tolerance is never promised.
+  // What to count: the whole matrix, by a lattice engine. Windows for small polygons (finest), unoccluded form factors,
+  // pair lines, balance and a time limit are refused. The goal is a FixedAmount, a Tolerance or a Relative; a Tolerance
+  // is never promised.
   Request request;
   // Rows are divided into this number of blocks of about equal size. Block k belongs to rank k mod (number of ranks). A
   // rank holds one of its blocks in memory; others wait in an unnamed file beside the output.

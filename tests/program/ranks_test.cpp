@@ -140,7 +140,7 @@ assert set(a.attrs) == set(b.attrs), set(a.attrs) ^ set(b.attrs)
   const Result refused = run(options + file("a.csv") + " --row-blocks 2");
   EXPECT_EQ(refused.status, 2);
   EXPECT_NE(refused.output.find("give -o NAME.h5"), std::string::npos) << refused.output;
-  // By default the goal is a tolerance; other ranks do not change what its plan makes of it.
+  // A tolerance is planned, and the report reads the file.
   const std::string planned = "compute " + kStreet + " --tolerance 2e-2 --resolution 128 --quiet -o ";
   ASSERT_EQ(run(planned + file("b.h5") + " --row-blocks 2").status, 0);
   ASSERT_EQ(run("report " + file("b.h5") + " -o " + file("b.html")).status, 0);
