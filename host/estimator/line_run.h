@@ -14,19 +14,6 @@
 
 namespace viewpeel {
 
-// For a goal T a pair's standard error must be T / kErrorsInGoal, so that the largest error of all pairs is hardly ever
-// above T. Environment and leak are sums over many pairs: extreme errors are rare, and there are few of them, so fewer
-// standard errors suffice. Measured: docs/accuracy.md.
-constexpr double kErrorsInGoal = 4.25, kErrorsInRowGoal = 2.5;
-
-// Gives the pairs of a run enough lines for its goal: a tolerance, a relative error, or both.
-//   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, whose rows the goals are for; options:
-//   goals, replicates, by; most_lines: where the goal needs more lines than this, pairs get the lines of a rougher goal
-//   that needs about this number
-//   Out: the pairs, with lines    Cost: as PairLines::plan.
-std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
-                                const EstimateOptions& options, double most_lines);
-
 class LineRun {
  public:
   // Begins a run, or continues options.resumed.
@@ -51,10 +38,10 @@ class LineRun {
   void measureErrors();
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
-  std::vector<double> findRowVariances(const FormFactors& all) const;
+  std::vector<double> findRowExcess(const FormFactors& all) const;
   Wanting findWanting(const FormFactors& all) const;
   Wanting findWantingOfMixture(const FormFactors& all);
-  void planFurther(const Wanting& wanting);
+  void planFurther(const Wanting& wanting, const std::vector<double>& row_excess);
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
 
@@ -63,6 +50,7 @@ class LineRun {
   EstimateOptions options_;
   double count_area_;
   RunSums sums_;
+  double errors_in_row_goal_;  // errorsInRowGoal() of the result
   double largest_error_ = INFINITY;
   // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/line_run.h"
+#include "estimator/plan_lines.h"
 #include "pair_lines/pair_lines.h"
 
 namespace viewpeel {
@@ -32,7 +32,8 @@ double estimatedLines(double share, double goal) {
 
 }  // namespace
 
-PromiseCost::PromiseCost(double tolerance, const SharedWork& shared) : tolerance_(tolerance) {
+PromiseCost::PromiseCost(double tolerance, const SharedWork& shared)
+    : tolerance_(tolerance), errors_in_row_goal_(errorsInRowGoal(shared.faces)) {
   const auto pairs = double(shared.pairs);
   const double both =
       kStart + shared.directions * (kDirection + kFaceOfDirection * double(shared.faces)) + ofFinding(shared);
@@ -43,7 +44,7 @@ PromiseCost::PromiseCost(double tolerance, const SharedWork& shared) : tolerance
 
 void PromiseCost::add(const EntryLines& entry, double weight) {
   const auto parts = double(entry.exchanges.size());
-  const double errors = entry.is_pair ? kErrorsInGoal : kErrorsInRowGoal,
+  const double errors = entry.is_pair ? kErrorsInGoal : errors_in_row_goal_,
                allowed = tolerance_ * entry.smaller_area / errors, blocking = kBlockerOfLine * entry.blockers / parts;
   // Each part gets its share of the variance by eq. (48) of docs/method.md, which needs the fewest lines.
   const auto partOf = [](double exchange) { return std::pow(exchange, 8.0 / 9); };

@@ -54,6 +54,7 @@ class PromiseCost {
 
  private:
   double tolerance_;
+  double errors_in_row_goal_;
   double promise_s_, estimate_s_, lines_s_;
 };
 

@@ -8,6 +8,7 @@
 
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
+#include "estimator/plan_lines.h"
 #include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
@@ -162,6 +163,7 @@ std::string FormFactorRun::State::makePairLines() {
   makeLineEngine();
   const PairCounts counts = resumed ? PairCounts() : countDirections(kPilotDirections);
   leaked_share = measureLeaks(counts);
+  may_leave = shareOutside(counts) > kGrazedOfScene;
   // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak =
@@ -236,7 +238,8 @@ void FormFactorRun::State::planEstimateLines() {
     // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                  most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
-    line_pairs = planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, most_lines);
+    line_pairs =
+        planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, may_leave, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear,    figures.partial,      0,

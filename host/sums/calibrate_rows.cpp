@@ -130,9 +130,8 @@ void calibrateRows(std::vector<Entry>& entries, const std::vector<Guess>& guesse
 std::vector<Measured> sumRows(const std::vector<Entry>& entries, const std::vector<double>& areas) {
   Rows sums(areas.size()), squares(areas.size());
   for (const Entry& entry : entries) {
-    const auto& [value, error] = entry.exchange_area;
-    addToRows(sums, entry, value);
-    addToRows(squares, entry, error * error);
+    addToRows(sums, entry, entry.exchange_area.value);
+    addToRows(squares, entry, entry.errorInSums() * entry.errorInSums());
   }
   std::vector<Measured> rows;
   rows.reserve(areas.size());

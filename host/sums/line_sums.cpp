@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sums/add_pairs.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -17,6 +18,14 @@ constexpr double kChanceDegrees = 5;
 
 // Returns a b / 2^8, with both rounded down to multiples of 2^4; see PairSum.
 uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
+
+constexpr size_t kChunk = 1 << 16;  // pairs that a thread takes at once
+
+// Returns the part of a pair's unoccluded exchange area that something may block.
+double blockable(const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); }
+
+// Returns the class of a pair in eq. (61) of docs/method.md: class c has 2^(c-1) to 2^c - 1 blocks.
+size_t classOf(const LinePair& pair) { return static_cast<size_t>(std::bit_width(pair.blocks)); }
 
 }  // namespace
 
@@ -119,48 +128,62 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
 
 Measured LineSums::exchangeArea(size_t k) const {
   const LinePair& pair = pairs_[k];
-  const double most = std::min(pair.exchange, smallerArea(pair)), blockable = std::max(0.0, pair.exchange - pair.clear);
+  const double most = std::min(pair.exchange, smallerArea(pair)), of_lines = blockable(pair);
   if (pair.blocks == 0) return {most, pair.error};
   const Visibility visibility = visibilityOf(sumOf(k), pair.blocks);
-  const double value = std::min(most, pair.clear + visibility.value * blockable);
-  double error = blockable * std::sqrt(visibility.variance);
-  error = std::min(error, blockable * std::max(visibility.value, 1 - visibility.value));
+  const double value = std::min(most, pair.clear + visibility.value * of_lines);
+  double error = of_lines * std::sqrt(visibility.variance);
+  error = std::min(error, of_lines * std::max(visibility.value, 1 - visibility.value));
   return {value, error + pair.error};
 }
 
-// The variance by chance is off by a factor that depends on the scene and on the lines of a replicate. The factor of
-// all pairs with 2^(c-1) to 2^c - 1 blocks, class c, follows from the pairs of this class that have a spread.
-std::vector<double> LineSums::errorsInSums() const {
+LineSums::ChanceFactors LineSums::chanceFactors() const {
   struct Class {
     double of_replicates = 0, by_chance = 0, degrees = 0;
   };
-  std::array<Class, 33> classes{};
-  const auto blockable = [](const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); };
-  const auto classOf = [&](const LinePair& pair) -> Class& {
-    return classes[static_cast<size_t>(std::bit_width(pair.blocks))];
-  };
-  for (size_t k = 0; k < pairs_.size(); ++k) {
-    if (pairs_[k].blocks == 0 || sumOf(k).all == 0) continue;
-    const LineVariances of = variancesOf(sumOf(k));
-    if (of.degrees_of_freedom == 0) continue;
-    const double square = blockable(pairs_[k]) * blockable(pairs_[k]);
-    Class& found = classOf(pairs_[k]);
-    found.of_replicates += square * of.of_replicates;
-    found.by_chance += square * of.by_chance;
-    found.degrees += of.degrees_of_freedom;
+  using Classes = std::array<Class, std::tuple_size_v<ChanceFactors>>;
+  // Each chunk has sums of its own, which are added in order: the same bits for any number of threads.
+  std::vector<Classes> of_chunks(chunkCount());
+  forEachChunk([&](size_t chunk, size_t first, size_t end) {
+    for (size_t k = first; k < end; ++k) {
+      if (pairs_[k].blocks == 0 || sumOf(k).all == 0) continue;
+      const LineVariances of = variancesOf(sumOf(k));
+      if (of.degrees_of_freedom == 0) continue;
+      const double square = std::pow(blockable(pairs_[k]), 2);
+      Class& found = of_chunks[chunk][classOf(pairs_[k])];
+      found.of_replicates += square * of.of_replicates;
+      found.by_chance += square * of.by_chance;
+      found.degrees += of.degrees_of_freedom;
+    }
+  });
+  ChanceFactors factors;
+  for (size_t c = 0; c < factors.size(); ++c) {
+    Class all;
+    for (const Classes& of_chunk : of_chunks) {
+      all.of_replicates += of_chunk[c].of_replicates;
+      all.by_chance += of_chunk[c].by_chance;
+      all.degrees += of_chunk[c].degrees;
+    }
+    const double ratio = all.by_chance > 0 ? all.of_replicates / all.by_chance : 1;
+    factors[c] = (kChanceDegrees + all.degrees * ratio) / (kChanceDegrees + all.degrees);
   }
-  std::vector<double> errors(pairs_.size());
-  for (size_t k = 0; k < pairs_.size(); ++k) {
-    if (pairs_[k].blocks == 0 || sumOf(k).all == 0) continue;
-    const LineVariances of = variancesOf(sumOf(k));
-    const Class& found = classOf(pairs_[k]);
-    const double ratio = found.by_chance > 0 ? found.of_replicates / found.by_chance : 1,
-                 factor = (kChanceDegrees + found.degrees * ratio) / (kChanceDegrees + found.degrees);
-    const double variance = (kChanceDegrees * factor * of.by_chance + of.degrees_of_freedom * of.of_replicates) /
-                            (kChanceDegrees + of.degrees_of_freedom);
-    errors[k] = std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, exchangeArea(k).standard_error);
-  }
-  return errors;
+  return factors;
+}
+
+double LineSums::errorInSums(size_t k, const ChanceFactors& factors, double standard_error) const {
+  if (pairs_[k].blocks == 0 || sumOf(k).all == 0) return 0;
+  const LineVariances of = variancesOf(sumOf(k));
+  const double variance =
+      (kChanceDegrees * factors[classOf(pairs_[k])] * of.by_chance + of.degrees_of_freedom * of.of_replicates) /
+      (kChanceDegrees + of.degrees_of_freedom);
+  return std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, standard_error);
+}
+
+size_t LineSums::chunkCount() const { return (pairs_.size() + kChunk - 1) / kChunk; }
+
+void LineSums::forEachChunk(const std::function<void(size_t chunk, size_t first, size_t end)>& work) const {
+  shareOut(threadsFor(pairs_.size()), chunkCount(), 1,
+           [&](size_t, size_t chunk) { work(chunk, chunk * kChunk, std::min(pairs_.size(), (chunk + 1) * kChunk)); });
 }
 
 bool LineSums::goesWith(const LineSums& others) const {
@@ -186,18 +209,16 @@ double LineSums::smallerArea(const LinePair& pair) const {
 std::vector<FormFactors::Entry> LineSums::entries(size_t room) const {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(pairs_.size() + room);
-  const std::vector<double> errors_in_sums = errorsInSums();
-  for (size_t k = 0; k < pairs_.size(); ++k) {
-    const Measured exchange = exchangeArea(k);
-    if (!hasBack(k)) {
-      entries.push_back({pairs_[k].i, pairs_[k].j, exchange, errors_in_sums[k]});
-      continue;
+  entries.resize(pairs_.size());
+  const ChanceFactors factors = chanceFactors();
+  forEachChunk([&](size_t, size_t first, size_t end) {
+    for (size_t k = first; k < end; ++k) {
+      const Measured exchange = exchangeArea(k);
+      entries[k] = {pairs_[k].i, hasBack(k) ? kLeak : pairs_[k].j, exchange,
+                    hasBack(k) ? 0 : errorInSums(k, factors, exchange.standard_error)};
     }
-    if (entries.empty() || keyOf(entries.back()) != std::pair(pairs_[k].i, kLeak))
-      entries.push_back({pairs_[k].i, kLeak, {}});
-    Measured& leak = entries.back().exchange_area;
-    leak = {leak.value + exchange.value, std::hypot(leak.standard_error, exchange.standard_error)};
-  }
+  });
+  addSameKeys(entries);  // a face has one pair for each back that it sees
   return entries;
 }
 

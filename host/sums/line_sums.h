@@ -5,7 +5,9 @@
 // nothing can block has no lines, and only the error of its unoccluded form factor. Derivation: docs/method.md, section
 // 13.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <functional>
 #include <utility>
 #include <vector>
 
@@ -118,8 +120,6 @@ class LineSums {
   std::vector<FormFactors::Entry> entries(size_t room = 0) const;
   // Returns the exchange areas of entries() by the rows of the result: between faces, or added up between surfaces.
   std::vector<FormFactors::Entry> entriesOfResult() const;
-  // Returns the error that each pair adds to a sum over many pairs: docs/method.md, eq. (61). In input units squared.
-  std::vector<double> errorsInSums() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
   Measured exchangeArea(size_t pair) const;
   // Returns whether the other sums have the same pairs, with as many lines drawn the same way, so that both can be
@@ -129,7 +129,16 @@ class LineSums {
  private:
   static constexpr uint32_t kNoPlace = UINT32_MAX;
 
+  // By class of pairs: the variance of their lines over the variance that independent lines would have. The classes are
+  // by LinePair::blocks.
+  using ChanceFactors = std::array<double, 33>;
+
   void findPlaces();
+  ChanceFactors chanceFactors() const;
+  // Returns the error that a pair adds to a sum over many pairs: docs/method.md, eq. (61). In input units squared.
+  double errorInSums(size_t pair, const ChanceFactors& factors, double standard_error) const;
+  size_t chunkCount() const;
+  void forEachChunk(const std::function<void(size_t chunk, size_t first, size_t end)>& work) const;
 
   Ids ids_;
   By by_;

@@ -13,6 +13,7 @@
 #include "engines/host_engine.h"
 #include "estimator/line_mixture.h"
 #include "estimator/line_run.h"
+#include "estimator/plan_lines.h"
 #include "io/checkpoint.h"
 #include "pair_lines/find_pairs.h"
 #include "scenes/generate.h"
@@ -109,7 +110,7 @@ class MixedRoom : public testing::Test {
     options.resumed = resumed;
     PairLines lines(*scene_, *ids_, false, options.seed, threads, [] {});
     const Ids ids = makeIds(*scene_, by, false);
-    std::vector<LinePair> pairs = planLines(lines, lines.find(least_form_factor), *ids_, ids, options, INFINITY);
+    std::vector<LinePair> pairs = planLines(lines, lines.find(least_form_factor), *ids_, ids, options, false, INFINITY);
     LineRun run(engine ? *engine : *engine_, *scene_, *ids_, lines, std::move(pairs), least_form_factor, options);
     while (!run.isDone() && run.sums().replicateCount() < replicates) run.step();
     return {run.sums(), run.isReached()};
@@ -201,7 +202,7 @@ TEST_F(MixedRoom, EndsWhereLinesGraze) {
   const Measured environment = run.sums.formFactors().formFactor(id, kEnvironment);
   EXPECT_GT(environment.value, 0);
   EXPECT_LE(environment.value, kGoal);
-  EXPECT_LE(kErrorsInRowGoal * environment.standard_error, kGoal);
+  EXPECT_LE(errorsInRowGoal(ids_->count()) * environment.standard_error, kGoal);
 }
 
 TEST_F(MixedRoom, ThreadsAndStopsDoNotMatter) {

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "estimator/line_run.h"
+#include "estimator/plan_lines.h"
 #include "scenes/generate.h"
 
 namespace viewpeel {
@@ -20,7 +20,7 @@ TEST(PlanLines, TheFinestGoalKeepsToTheLimit) {
   options.by = By::polygon;
   const auto planned = [&](double most_lines) {
     double all = 0;
-    for (const LinePair& pair : planLines(lines, lines.find(0), ids, ids, options, most_lines))
+    for (const LinePair& pair : planLines(lines, lines.find(0), ids, ids, options, false, most_lines))
       all += pair.linesIn(options.replicates);
     return all;
   };

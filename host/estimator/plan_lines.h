@@ -1,0 +1,27 @@
+// planLines() gives the pairs of a run enough lines for its goal: a tolerance, a relative error, or both.
+#pragma once
+#include <vector>
+
+#include "estimator/estimate.h"
+#include "pair_lines/pair_lines.h"
+
+namespace viewpeel {
+
+// For a goal T a pair's standard error must be T / kErrorsInGoal, so that the largest error of all pairs is hardly ever
+// above T. Measured: docs/accuracy.md.
+constexpr double kErrorsInGoal = 4.25;
+
+// Returns how many standard errors of a row's environment or leak must be within the goal. It is the number z beyond
+// which one of all rows errs in 1 of 20 runs at most, were all of their errors normal and as large as allowed: errors
+// of sums over many pairs are nearly normal.
+double errorsInRowGoal(size_t row_count);
+
+// Returns the pairs, with lines.
+//   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, whose rows the goals are for; options:
+//   goals, replicates, by; is_open: whether rows see an environment, which must reach the tolerance, too; most_lines:
+//   where the goal needs more lines than this, pairs get the lines of a rougher goal that needs about this number
+//   Cost: as PairLines::plan.
+std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
+                                const EstimateOptions& options, bool is_open, double most_lines);
+
+}  // namespace viewpeel
