@@ -45,9 +45,9 @@ Errors compare(const FormFactors& found, const FormFactors& truth) {
   return errors;
 }
 
-// Random triangles, two-sided, hide each other nearly everywhere. Where further lines went to the pairs with the largest
-// errors, rows saw 1.1e-3 too much of the environment on average at a tolerance of 1e-2: pairs kept the 0 of lines that
-// were all blocked by chance.
+// Random triangles, two-sided, hide each other nearly everywhere. Where further lines went to the pairs with the
+// largest errors, rows saw 1.1e-3 too much of the environment on average at a tolerance of 1e-2: pairs kept the 0 of
+// lines that were all blocked by chance.
 TEST(LineRows, EnvironmentHasNoBiasAndItsStandardError) {
   const Scene scene = buildScene(bench::randomTriangles(kTriangles));
   const FormFactors truth = compute(scene, kTolerance / 10, 1000);
@@ -60,8 +60,8 @@ TEST(LineRows, EnvironmentHasNoBiasAndItsStandardError) {
     EXPECT_LE(errorsInRowGoal(kTriangles) * errors.largest_stated, kTolerance) << seed;
   }
   // The means of 12 seeds are independent, and Student's t with 11 degrees of freedom is beyond 4.44 once in 1,000. The
-  // truth has the same error in all seeds: a tenth of a row's, and a hundred rows are averaged, so that it is a hundredth
-  // of a row's error of 5e-3.
+  // truth has the same error in all seeds: a tenth of a row's, and a hundred rows are averaged, so that it is a
+  // hundredth of a row's error of 5e-3.
   EXPECT_LE(std::abs(mean), 4.44 * std::sqrt((squares_of_means - mean * mean) / (kSeeds - 1)) + 5e-5);
   // 1,200 errors of rows with standard errors that are right have a mean square of 1 +- 0.04. A fifth of the standard
   // error, either way, is allowed to the model of eq. (61).
