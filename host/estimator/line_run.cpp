@@ -152,8 +152,8 @@ LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
 
 // Plans the next replicate: lines that bring the wanting entries and rows to the goal, and common directions if an
 // entry needs them. All pairs of a wanting row get more lines in one proportion. If instead the pairs with the largest
-// errors got them, sums would be too small: a pair of which no line was clear seems certain, and would keep its 0, while
-// the pairs that have had a clear line by chance would lose what they are above their expectation.
+// errors got them, sums would be too small: a pair of which no line was clear seems certain, and would keep its 0,
+// while pairs that have had a clear line by chance would lose what they are above their expectation.
 //   In: row_excess: from findRowExcess(), or empty
 void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row_excess) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
