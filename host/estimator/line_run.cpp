@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <viewpeel/error.h>
-#include "estimator/plan_lines.h"
 #include "memory.h"
 #include "sums/add_pairs.h"
 #include "sums/line_form_factors.h"
@@ -57,8 +56,7 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
       options_(std::move(options)),
       count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
       sums_(sumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, options_)),
-      errors_in_row_goal_(
-          errorsInRowGoal((options_.by == By::polygon ? sums_.by_id : sums_.by_surface).ids().count())) {
+      errors_in_goal_((options_.by == By::polygon ? sums_.by_id : sums_.by_surface).ids().count()) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
     sums_.add(*options_.resumed);
@@ -186,8 +184,7 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
 // Returns an entry's error over the error that the goals allow.
 double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
-               error =
-                   (entry.j < kEnvironment ? kErrorsInGoal : errors_in_row_goal_) * entry.exchange_area.standard_error;
+               error = errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
   double excess = options_.tolerance ? error / (*options_.tolerance * area) : 0;
   if (options_.relative && entry.exchange_area.value >= options_.relative_floor * area)
     excess = std::max(excess, error / (*options_.relative * entry.exchange_area.value));

@@ -9,6 +9,7 @@
 
 #include "estimator/estimate.h"
 #include "estimator/line_mixture.h"
+#include "estimator/plan_lines.h"
 #include "pair_lines/pair_lines.h"
 #include "stopwatch.h"
 
@@ -50,7 +51,7 @@ class LineRun {
   EstimateOptions options_;
   double count_area_;
   RunSums sums_;
-  double errors_in_row_goal_;  // errorsInRowGoal() of the result
+  ErrorsInGoal errors_in_goal_;
   double largest_error_ = INFINITY;
   // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;

@@ -27,7 +27,7 @@ double allowedBy(const EstimateOptions& options, double exchange, double smaller
 // parts the sum needs the fewest lines: docs/method.md, eq. (48).
 double partOf(const LinePair& pair) { return std::pow(pair.exchange - pair.clear, 8.0 / 9); }
 
-// AllowedErrors are the standard errors that pairs may have, so that all entries of the result reach the goal.
+// AllowedErrors are standard errors of pairs that are small enough for all entries of the result to reach the goal.
 class AllowedErrors {
  public:
   AllowedErrors(const std::vector<LinePair>& pairs, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
@@ -35,7 +35,7 @@ class AllowedErrors {
       : face_ids_(face_ids),
         ids_(ids),
         options_(options),
-        errors_in_row_goal_(errorsInRowGoal(ids.count())),
+        errors_in_goal_(ids.count()),
         row_parts_(is_open && options.tolerance ? ids.count() : 0) {
     for (const LinePair& pair : pairs) {
       const Key key = entryOf(pair, face_ids, options.by);
@@ -51,8 +51,7 @@ class AllowedErrors {
   // Returns the standard error that a pair's exchange area may have, input units squared.
   double of(const LinePair& pair) const {
     const Key key = entryOf(pair, face_ids_, options_.by);
-    const double area = ids_.smallerArea(key.first, key.second),
-                 errors = key.second < kEnvironment ? kErrorsInGoal : errors_in_row_goal_;
+    const double area = ids_.smallerArea(key.first, key.second), errors = errors_in_goal_.of(key.second);
     const auto sum = sums_.find(key);
     double allowed = sum == sums_.end() ? allowedBy(options_, pair.exchange, area) / errors
                                         : allowedBy(options_, sum->second.exchange, area) / errors *
@@ -61,7 +60,7 @@ class AllowedErrors {
     const double ways = key.first == key.second ? 2 : 1;
     for (const uint32_t id : {key.first, key.second})
       if (hasGoal(id) && row_parts_[id] > 0)
-        allowed = std::min(allowed, *options_.tolerance * ids_.areas[id] / errors_in_row_goal_ *
+        allowed = std::min(allowed, *options_.tolerance * ids_.areas[id] / errors_in_goal_.of(kEnvironment) *
                                         std::sqrt(partOf(pair) / (ways * row_parts_[id])));
     return allowed;
   }
@@ -79,7 +78,7 @@ class AllowedErrors {
   const Ids& face_ids_;
   const Ids& ids_;
   const EstimateOptions& options_;
-  double errors_in_row_goal_;
+  ErrorsInGoal errors_in_goal_;
   std::map<Key, Sum> sums_;
   std::vector<double> row_parts_;  // by row, sums of partOf()
 };

@@ -16,6 +16,16 @@ constexpr double kErrorsInGoal = 4.25;
 // of sums over many pairs are nearly normal.
 double errorsInRowGoal(size_t row_count);
 
+// An ErrorsInGoal says how many standard errors of an entry must be within the goal.
+class ErrorsInGoal {
+ public:
+  explicit ErrorsInGoal(size_t row_count) : of_row_(errorsInRowGoal(row_count)) {}
+  double of(uint32_t column) const { return column < kEnvironment ? kErrorsInGoal : of_row_; }
+
+ private:
+  double of_row_;
+};
+
 // Returns the pairs, with lines.
 //   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, whose rows the goals are for; options:
 //   goals, replicates, by; is_open: whether rows see an environment, which must reach the tolerance, too; most_lines:

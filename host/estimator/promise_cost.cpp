@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "estimator/plan_lines.h"
 #include "pair_lines/pair_lines.h"
 
 namespace viewpeel {
@@ -33,7 +32,7 @@ double estimatedLines(double share, double goal) {
 }  // namespace
 
 PromiseCost::PromiseCost(double tolerance, const SharedWork& shared)
-    : tolerance_(tolerance), errors_in_row_goal_(errorsInRowGoal(shared.faces)) {
+    : tolerance_(tolerance), errors_in_goal_(shared.faces) {
   const auto pairs = double(shared.pairs);
   const double both =
       kStart + shared.directions * (kDirection + kFaceOfDirection * double(shared.faces)) + ofFinding(shared);
@@ -44,7 +43,7 @@ PromiseCost::PromiseCost(double tolerance, const SharedWork& shared)
 
 void PromiseCost::add(const EntryLines& entry, double weight) {
   const auto parts = double(entry.exchanges.size());
-  const double errors = entry.is_pair ? kErrorsInGoal : errors_in_row_goal_,
+  const double errors = errors_in_goal_.of(entry.is_pair ? 0 : kLeak),
                allowed = tolerance_ * entry.smaller_area / errors, blocking = kBlockerOfLine * entry.blockers / parts;
   // Each part gets its share of the variance by eq. (48) of docs/method.md, which needs the fewest lines.
   const auto partOf = [](double exchange) { return std::pow(exchange, 8.0 / 9); };

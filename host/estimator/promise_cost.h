@@ -6,6 +6,7 @@
 #pragma once
 #include <span>
 
+#include "estimator/plan_lines.h"
 #include "pair_lines/find_pairs.h"
 
 namespace viewpeel {
@@ -54,7 +55,7 @@ class PromiseCost {
 
  private:
   double tolerance_;
-  double errors_in_row_goal_;
+  ErrorsInGoal errors_in_goal_;
   double promise_s_, estimate_s_, lines_s_;
 };
 

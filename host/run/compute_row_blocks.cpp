@@ -153,7 +153,7 @@ class RowBlocksRun {
     progress_.largest_standard_error = summary_.largest_standard_error = found_.largest_standard_error;
   }
 
-  // Returns how many replicates the goal takes, as the errors so far predict it, but at most twice the replicates.
+  // Returns how many replicates the goal takes, as the errors so far predict it, but at most twice as many as are done.
   uint64_t wantedReplicates() const {
     const std::optional<double> tolerance = setup_.estimate().tolerance, relative = setup_.estimate().relative;
     const double ratio = std::max(tolerance ? found_.largest_standard_error / *tolerance : 0.0,

@@ -131,7 +131,7 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
   std::string why =
       "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";
-  if (shareOutside(counts) <= kGrazedOfScene) {
+  if (!may_leave) {
     why = "the scene has too many pairs of polygons";
     if (fitMixture(mixture, work) && !paysLinesForAll(work, mixture, replicates)) return "";
   }

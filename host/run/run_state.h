@@ -50,7 +50,7 @@ struct FormFactorRun::State {
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
   std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
   double leaked_share = 0;         // largest share of a row's lines that leak, along a few directions
-  bool may_leave = false;          // whether lines leave the scene or leak, along the same directions
+  bool may_leave = false;          // whether more of them leave the scene or leak than may graze edges
   std::string no_promise;          // why the tolerance is not promised but estimated; else empty
   std::string no_pair_lines;       // why there are no pair lines; else empty
   bool is_promise_broken = false;  // whether a promise was planned and could not be kept

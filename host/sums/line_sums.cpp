@@ -114,8 +114,10 @@ LineVariances variancesOf(const LineSums::PairSum& sum) {
 }
 
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
-  if (sum.all == 0) return {};
-  const LineVariances of = variancesOf(sum);
+  return sum.all == 0 ? Visibility{} : visibilityOf(sum, planned_blocks, variancesOf(sum));
+}
+
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks, const LineVariances& of) {
   const double all = double(sum.all), half_a_line = 0.25 / ((of.lines + 1) * (of.lines + 1));
   // Where the lines have less weight than expected, a few heavy lines are missing, which may be blocked or not.
   const double missing = std::max(0.0, 1 - all * planned_blocks / (kLineUnit * double(sum.blocks)));
@@ -126,11 +128,12 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks) {
                                         unknown};
 }
 
-Measured LineSums::exchangeArea(size_t k) const {
+Measured LineSums::exchangeArea(size_t k) const { return exchangeArea(k, visibilityOf(sumOf(k), pairs_[k].blocks)); }
+
+Measured LineSums::exchangeArea(size_t k, const Visibility& visibility) const {
   const LinePair& pair = pairs_[k];
   const double most = std::min(pair.exchange, smallerArea(pair)), of_lines = blockable(pair);
   if (pair.blocks == 0) return {most, pair.error};
-  const Visibility visibility = visibilityOf(sumOf(k), pair.blocks);
   const double value = std::min(most, pair.clear + visibility.value * of_lines);
   double error = of_lines * std::sqrt(visibility.variance);
   error = std::min(error, of_lines * std::max(visibility.value, 1 - visibility.value));
@@ -170,13 +173,21 @@ LineSums::ChanceFactors LineSums::chanceFactors() const {
   return factors;
 }
 
-double LineSums::errorInSums(size_t k, const ChanceFactors& factors, double standard_error) const {
-  if (pairs_[k].blocks == 0 || sumOf(k).all == 0) return 0;
+FormFactors::Entry LineSums::entryAt(size_t k, const ChanceFactors& factors) const {
+  FormFactors::Entry entry{pairs_[k].i, hasBack(k) ? kLeak : pairs_[k].j, {}};
+  if (sumOf(k).all == 0) {
+    entry.exchange_area = exchangeArea(k, {});
+    return entry;
+  }
   const LineVariances of = variancesOf(sumOf(k));
+  entry.exchange_area = exchangeArea(k, visibilityOf(sumOf(k), pairs_[k].blocks, of));
+  if (hasBack(k)) return entry;
   const double variance =
       (kChanceDegrees * factors[classOf(pairs_[k])] * of.by_chance + of.degrees_of_freedom * of.of_replicates) /
       (kChanceDegrees + of.degrees_of_freedom);
-  return std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, standard_error);
+  entry.error_in_sums =
+      std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, entry.exchange_area.standard_error);
+  return entry;
 }
 
 size_t LineSums::chunkCount() const { return (pairs_.size() + kChunk - 1) / kChunk; }
@@ -212,11 +223,7 @@ std::vector<FormFactors::Entry> LineSums::entries(size_t room) const {
   entries.resize(pairs_.size());
   const ChanceFactors factors = chanceFactors();
   forEachChunk([&](size_t, size_t first, size_t end) {
-    for (size_t k = first; k < end; ++k) {
-      const Measured exchange = exchangeArea(k);
-      entries[k] = {pairs_[k].i, hasBack(k) ? kLeak : pairs_[k].j, exchange,
-                    hasBack(k) ? 0 : errorInSums(k, factors, exchange.standard_error)};
-    }
+    for (size_t k = first; k < end; ++k) entries[k] = entryAt(k, factors);
   });
   addSameKeys(entries);  // a face has one pair for each back that it sees
   return entries;

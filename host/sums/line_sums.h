@@ -65,6 +65,11 @@ constexpr double kEffectiveUnit = 256;         // LineCount::effective is in uni
 constexpr uint32_t kMostLineBlocks = 1 << 16;  // most blocks of a pair in one replicate
 constexpr uint32_t kMostCuts = 200'000;        // most cuts of all pairs; each takes some 1.5 kB
 
+// A Visibility is an estimate with its variance. Without lines it is 1/2, with the variance of a number that is 0 or 1.
+struct Visibility {
+  double value = 0.5, variance = 0.25;
+};
+
 class LineSums {
  public:
   // A PairSum holds one pair's sums over replicates. Squares and products are of counts without their last 4 bits, so
@@ -135,8 +140,10 @@ class LineSums {
 
   void findPlaces();
   ChanceFactors chanceFactors() const;
-  // Returns the error that a pair adds to a sum over many pairs: docs/method.md, eq. (61). In input units squared.
-  double errorInSums(size_t pair, const ChanceFactors& factors, double standard_error) const;
+  Measured exchangeArea(size_t pair, const Visibility& visibility) const;
+  // Returns the entry of a pair of faces, or of a face with kLeak. Between faces it has the error that the pair adds to
+  // a sum over many pairs: docs/method.md, eq. (61).
+  FormFactors::Entry entryAt(size_t pair, const ChanceFactors& factors) const;
   size_t chunkCount() const;
   void forEachChunk(const std::function<void(size_t chunk, size_t first, size_t end)>& work) const;
 
@@ -158,14 +165,14 @@ std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> e
 // Adds up entries of one pair of ids, whose errors are independent.    In: entries: sorted by (i, j)
 void addSameKeys(std::vector<FormFactors::Entry>& entries);
 
-// A Visibility is an estimate with its variance. Without lines it is 1/2, with the variance of a number that is 0 or 1.
-struct Visibility {
-  double value = 0.5, variance = 0.25;
-};
 // Returns the variance of a visibility from so many independent lines of equal weight, eq. (46).
 double varianceByChance(double visibility, double lines);
 // Returns the visibility of a pair, eq. (44), and its variance, eq. (47).    In: planned_blocks: LinePair::blocks
 Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks);
+
+struct LineVariances;
+// As above, from variancesOf(sum).    In: sum: with lines
+Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks, const LineVariances& of);
 
 // LineVariances are variances of a pair's visibility, from its replicates and by chance: docs/method.md, eq. (47).
 struct LineVariances {

@@ -1,4 +1,4 @@
-// These tests check that planLines() keeps to a limit of lines, by which a run keeps to its `seconds`.
+// These tests check how many lines planLines() plans.
 #include <cmath>
 
 #include <gtest/gtest.h>
@@ -9,24 +9,42 @@
 namespace viewpeel {
 namespace {
 
-// With a tolerance of 1e-12 nearly all pairs want more lines than any pair may get (kMostLineBlocks), so that one
-// relief of the goal does not suffice.
+// Plans the lines of a scene's pairs, by polygon.
+class Planned {
+ public:
+  Planned(const Scene& scene, bool two_sided, double tolerance)
+      : ids_(makeIds(scene, By::polygon, two_sided)), lines_(scene, ids_, false, 1, 2, [] {}) {
+    options_.tolerance = tolerance;
+    options_.by = By::polygon;
+  }
+  double lines(bool is_open, double most_lines) {
+    double all = 0;
+    for (const LinePair& pair : planLines(lines_, lines_.find(0), ids_, ids_, options_, is_open, most_lines))
+      all += pair.linesIn(options_.replicates);
+    return all;
+  }
+
+ private:
+  Ids ids_;
+  PairLines lines_;
+  EstimateOptions options_;
+};
+
+// A run keeps to its `seconds` by a limit of lines. With a tolerance of 1e-12 nearly all pairs want more lines than any
+// pair may get (kMostLineBlocks), so that one relief of the goal does not suffice.
 TEST(PlanLines, TheFinestGoalKeepsToTheLimit) {
   const Scene scene = buildScene(bench::roomWithBoxes(1));
-  const Ids ids = makeIds(scene, By::polygon, false);
-  PairLines lines(scene, ids, false, 1, 2, [] {});
-  EstimateOptions options;
-  options.tolerance = 1e-12;
-  options.by = By::polygon;
-  const auto planned = [&](double most_lines) {
-    double all = 0;
-    for (const LinePair& pair : planLines(lines, lines.find(0), ids, ids, options, false, most_lines))
-      all += pair.linesIn(options.replicates);
-    return all;
-  };
+  Planned planned(scene, false, 1e-12);
   constexpr double kMostLines = 1e7;
-  EXPECT_GT(planned(INFINITY), 100 * kMostLines);
-  EXPECT_LE(planned(kMostLines), 2 * kMostLines);  // twice: kSlack of line_run.cpp
+  EXPECT_GT(planned.lines(false, INFINITY), 100 * kMostLines);
+  EXPECT_LE(planned.lines(false, kMostLines), 2 * kMostLines);  // twice: kSlack of plan_lines.cpp
+}
+
+// In an open scene the plan has goals for the environments of rows, too, so that pairs get more lines.
+TEST(PlanLines, RowsOfOpenScenesHaveGoals) {
+  const Scene scene = buildScene(bench::randomTriangles(100));
+  Planned planned(scene, true, 2e-2);
+  EXPECT_GT(planned.lines(true, INFINITY), 1.2 * planned.lines(false, INFINITY));
 }
 
 }  // namespace
