@@ -1,6 +1,7 @@
 // A BlockerList holds the bounding boxes of blockers in groups of eight, one coordinate after the other, so that one
 // vector instruction tests eight boxes.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -49,5 +50,33 @@ class BlockerList {
   size_t size_ = 0;
   std::vector<Group> groups_;
 };
+
+// Calls is_last(index) for each blocker whose box the line from p to q meets, until it returns true.
+//   In: touching: a box counts as met where the line passes it by this share of the line's length; is_last: an
+//   always_inline lambda    Template: Doubles: LaneTypes::Doubles
+template <class Doubles, class IsLast>
+VIEWPEEL_INLINE void forEachOnLine(const BlockerList& list, const glm::dvec3& p, const glm::dvec3& q, double touching,
+                                   const IsLast& is_last) {
+  constexpr double kLeast = 1e-300;
+  double per_length[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const double length = q[axis] - p[axis];
+    per_length[axis] = 1 / (std::abs(length) > kLeast ? length : kLeast);
+  }
+  for (size_t g = 0; g < list.groupCount(); ++g) {
+    const BlockerList::Group& group = list.group(g);
+    Doubles enters = 0, leaves = 1;
+    for (int axis = 0; axis < 3; ++axis) {
+      const Doubles one = (load<Doubles>(group.bounds[axis]) - p[axis]) * per_length[axis],
+                    other = (load<Doubles>(group.bounds[3 + axis]) - p[axis]) * per_length[axis];
+      enters = greatest(enters, least(one, other)), leaves = least(leaves, greatest(one, other));
+    }
+    const Doubles inside = leaves - enters;
+    for (int k = 0; k < kBlockerLanes; ++k) {
+      if (!(inside[k] >= -touching) || group.indices[k] == UINT32_MAX) continue;
+      if (is_last(group.indices[k])) return;
+    }
+  }
+}
 
 }  // namespace viewpeel

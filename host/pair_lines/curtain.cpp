@@ -21,6 +21,22 @@ bool isOnLine(const Blocker& blocker, const dvec3& p, const dvec3& q) {
   return true;
 }
 
+// Returns a blocker of the list that the line from p to q meets, or UINT32_MAX.
+uint32_t findOnLine(const std::vector<Blocker>& blockers, const BlockerList& list, const dvec3& p, const dvec3& q,
+                    Vectors vectors) {
+  uint32_t found = UINT32_MAX;
+  runInLanes(
+      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+        const auto isMet = [&](uint32_t index) __attribute__((always_inline)) {
+          const bool is_met = isOnLine(blockers[index], p, q);
+          if (is_met) found = index;
+          return is_met;
+        };
+        forEachOnLine<typename Types::Doubles>(list, p, q, 0, isMet);
+      });
+  return found;
+}
+
 }  // namespace
 
 bool Curtain::isCrossedBy(const glm::dvec3& p, const glm::dvec3& q) const {
@@ -60,6 +76,34 @@ bool Curtain::hides(const Patch& a, const Patch& b, const PatchShaft& shaft, std
     }
   }
   return false;
+}
+
+bool Curtain::hides(const Patch& a, const Box& b, const Shaft& shaft, const BlockerList& between, Vectors vectors) {
+  if (between.size() < 2) return false;
+  // The first line runs beside the middles, for in tidy scenes a line between them often meets an edge.
+  const dvec3 p = glm::mix(a.middle, a.corners[0], 0.137), q = glm::mix(b.low, b.high, 0.537);
+  const auto isInFront = [&](const dvec3& x) { return glm::dot(a.normal, x) > a.offset; };
+  if (!isInFront(q)) return false;
+  const uint32_t first = findOnLine(blockers_, between, p, q, vectors);
+  if (first == UINT32_MAX) return false;
+  // Most curtains are tried in vain. Lines to the corners of both ends tell so for less.
+  uint32_t last = first;
+  const auto isBlocked = [&](const dvec3& start, const dvec3& end) {
+    if (isOnLine(blockers_[last], start, end)) return true;
+    last = findOnLine(blockers_, between, start, end, vectors);
+    if (last != UINT32_MAX) return true;
+    last = first;
+    return false;
+  };
+  for (int k = 0; k < 8; ++k) {
+    const dvec3 corner = cornerOf(b, k);
+    if (isInFront(corner) && !isBlocked(p, corner)) return false;
+  }
+  for (uint32_t k = 0; k < a.corner_count; ++k)
+    if (!isBlocked(a.corners[k], q)) return false;
+  const auto isOutside = [&](const std::array<dvec3, 2>& ends) { return shaft.isOutside(ends); };
+  const auto isApart = [&](const Blocker& blocker) { return areApart(a, blocker) && areApart(b, blocker); };
+  return grow(first, isOutside, isApart) && isCrossedBy(p, q);
 }
 
 }  // namespace viewpeel

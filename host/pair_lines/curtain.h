@@ -28,6 +28,11 @@ class Curtain {
   bool hides(const Patch& a, const Patch& b, const PatchShaft& shaft, std::span<const uint32_t> between,
              Vectors vectors);
 
+  // Returns whether blockers that share edges hide a patch from all points of a box in front of it.
+  //   In: shaft: of the two; between: the blockers that reach into it
+  //   Cost: of one line through the list where this line is clear, of 17 lines and O(edges) where all are blocked.
+  bool hides(const Patch& a, const Box& b, const Shaft& shaft, const BlockerList& between, Vectors vectors);
+
   // Adds neighbours to a first blocker until no line between the two ends meets the rim.
   //   In: is_outside(ends of an edge): whether no line between the two ends meets the edge; is_apart(blocker): whether
   //   neither end touches the blocker

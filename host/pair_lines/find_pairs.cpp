@@ -16,6 +16,8 @@ using glm::dvec3;
 
 constexpr size_t kTasks = 256;      // least number of tasks to share out to threads
 constexpr size_t kFewBlockers = 8;  // so few blockers are tested with each pair at once, without clusters
+constexpr size_t kRowShaft = 2;     // a patch's row of at least this number of patches has a shaft of its own,
+constexpr size_t kRowCurtain = 3;   // and one of at least this number tries to find a curtain
 
 }  // namespace
 
@@ -57,7 +59,7 @@ class PairFinder::Search {
 
   // Finds single pairs of patches.    In: all: all blockers
   void findEach(std::span<const std::pair<uint32_t, uint32_t>> pairs, const BlockerList& all) {
-    for (const auto& [p, q] : pairs) findPair(std::min(p, q), std::max(p, q), all);
+    for (const auto& [p, q] : pairs) findFacing(p, q, all);
   }
 
   PatchPairs found;
@@ -137,27 +139,41 @@ class PairFinder::Search {
     return m == n || Corners(a, b).findHider(finder_.blockers_, to, vectors_) == UINT32_MAX;
   }
 
-  // Finds the pairs of two leaves: for each patch of the larger leaf, its pairs with all patches of the other.
+  // Finds the pairs of two leaves: for each patch of the larger leaf, its row of patches of the other.
   void findLeaf(uint32_t of_a, uint32_t of_b, const BlockerList& between) {
     const bool is_same = of_a == of_b, is_swapped = sizeOf(node(of_a).box) < sizeOf(node(of_b).box);
     const Node &a = node(is_swapped ? of_b : of_a), &b = node(is_swapped ? of_a : of_b);
     for (uint32_t k = a.first; k < a.end; ++k) {
       const uint32_t p = finder_.order_[k];
-      const Patch& patch = finder_.patches_[p];
-      if (areFar(endOf(p), endOf(b))) continue;
-      const BlockerList* list = &between;
-      if (between.size() > kFewBlockers) {
-        if (isBehind(patch, b.box)) continue;
-        if (!is_same && isHiddenRow(patch, b.box, between)) continue;
-        Shaft(patch, b.box).keepInside(between, row_, vectors_);
-        ++found.work.shafts, found.work.tests += between.size();
-        list = &row_;
-      }
-      for (uint32_t m = is_same ? k + 1 : b.first; m < b.end; ++m) {
-        const uint32_t q = finder_.order_[m];
-        findPair(std::min(p, q), std::max(p, q), *list);
-      }
+      if (areFar(endOf(p), endOf(b)) || isBehind(finder_.patches_[p], b.box)) continue;
+      const auto row = std::span(finder_.order_).subspan(b.first, b.size()).subspan(is_same ? k + 1 - b.first : 0);
+      if (between.size() > kFewBlockers) findRow(p, row, is_same, between);
+      else
+        for (const uint32_t q : row) findFacing(p, q, between);
     }
+  }
+
+  // Finds the pairs of a patch with a row of patches.    In: is_same: whether all of them are of one leaf
+  void findRow(uint32_t p, std::span<const uint32_t> row, bool is_same, const BlockerList& between) {
+    const Patch& patch = finder_.patches_[p];
+    facing_.clear();
+    Box box{dvec3(INFINITY), dvec3(-INFINITY)};
+    for (const uint32_t q : row) {
+      const Patch& other = finder_.patches_[q];
+      if (!areFacing(patch, other)) continue;
+      facing_.push_back(q);
+      box.low = glm::min(box.low, other.low), box.high = glm::max(box.high, other.high);
+    }
+    const BlockerList* list = &between;
+    if (facing_.size() >= kRowShaft) {
+      if (!is_same && isHiddenRow(patch, box, between)) return;
+      const Shaft shaft(patch, box);
+      shaft.keepInside(between, row_, vectors_);
+      ++found.work.shafts, found.work.tests += between.size();
+      if (!is_same && facing_.size() >= kRowCurtain && curtain_.hides(patch, box, shaft, row_, vectors_)) return;
+      list = &row_;
+    }
+    for (const uint32_t q : facing_) findPair(p, q, *list);
   }
 
   // Returns whether one blocker hides a patch from a whole box. A blocker that hid the last patch often hides the next.
@@ -170,22 +186,29 @@ class PairFinder::Search {
     return true;
   }
 
-  bool hasCornerInFront(const Patch& a, const Patch& b) const {
-    for (uint32_t k = 0; k < b.corner_count; ++k)
-      if (glm::dot(a.normal, b.corners[k]) > a.offset) return true;
-    return false;
+  // Returns whether lines may run between the fronts of two patches.
+  static bool areFacing(const Patch& a, const Patch& b) {
+    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
+    if (a.plane == b.plane) return a.along_plane_normal != b.along_plane_normal && a.height + b.height < 0;
+    const auto hasCornerInFront = [](const Patch& of, const Patch& other) {
+      for (uint32_t k = 0; k < other.corner_count; ++k)
+        if (glm::dot(of.normal, other.corners[k]) > of.offset) return true;
+      return false;
+    };
+    return hasCornerInFront(a, b) && hasCornerInFront(b, a);
   }
 
-  void findPair(uint32_t p, uint32_t q, const BlockerList& from) {
-    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
-    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return;
+  // Finds a pair of patches if they face each other.
+  void findFacing(uint32_t p, uint32_t q, const BlockerList& from) {
+    if (!areFar(endOf(p), endOf(q)) && areFacing(finder_.patches_[p], finder_.patches_[q])) findPair(p, q, from);
+  }
+
+  // Finds a pair of patches that face each other.
+  void findPair(uint32_t one, uint32_t other, const BlockerList& from) {
+    const auto [p, q] = std::minmax(one, other);
     if (areFar(endOf(p), endOf(q))) return;
+    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
     const bool is_contact = a.plane == b.plane;
-    if (is_contact) {
-      if (a.along_plane_normal == b.along_plane_normal || a.height + b.height >= 0) return;
-    } else if (!hasCornerInFront(a, b) || !hasCornerInFront(b, a)) {
-      return;
-    }
     const size_t before = found.between.size();
     if (is_contact) {
       // Both patches lie in one plane. Of the blockers that cover the first patch, only the ones that lie in front of
@@ -227,6 +250,7 @@ class PairFinder::Search {
   std::vector<uint32_t> between_;
   std::deque<BlockerList> lists_;  // a list of blockers for each depth of the recursion
   BlockerList row_;
+  std::vector<uint32_t> facing_;  // patches of a leaf that face the patch whose row it is
   uint32_t last_hider_ = 0, last_row_hider_ = 0;
   Vectors vectors_ = widestVectors();
 };

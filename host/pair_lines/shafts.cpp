@@ -11,10 +11,6 @@ using glm::dvec3;
 
 namespace {
 
-dvec3 cornerOf(const Box& box, int k) {
-  return dvec3(k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y, k & 4 ? box.high.z : box.low.z);
-}
-
 Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
 
 constexpr double kInfinity = INFINITY;
@@ -108,6 +104,18 @@ void Shaft::keepInside(const BlockerList& from, BlockerList& to, Vectors vectors
   to.close();
 }
 
+bool Shaft::isOutside(const std::array<dvec3, 2>& edge) const {
+  const dvec3 low = glm::min(edge[0], edge[1]), high = glm::max(edge[0], edge[1]);
+  for (int axis = 0; axis < 3; ++axis)
+    if (low[axis] - both_.high[axis] >= -kTouchingShaft || both_.low[axis] - high[axis] >= -kTouchingShaft) return true;
+  for (int p = 0; p < plane_count_; ++p) {
+    const OutwardPlane& plane = planes_[p];
+    const dvec3 normal(plane.normal[0], plane.normal[1], plane.normal[2]);
+    if (std::min(glm::dot(normal, edge[0]), glm::dot(normal, edge[1])) - plane.offset >= -kTouchingShaft) return true;
+  }
+  return false;
+}
+
 template <class Doubles>
 [[gnu::always_inline]] inline void Shaft::keepInsideAll(const BlockerList& from, BlockerList& to) const {
   for (size_t g = 0; g < from.groupCount(); ++g) {
@@ -182,28 +190,12 @@ uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerL
         using Doubles = typename Types::Doubles;
         // A blocker that hides the second end meets the line between the middles of both ends. So boxes that this line
         // misses are passed over.
-        constexpr double kLeast = 1e-300;
-        double per_length[3];
-        for (int axis = 0; axis < 3; ++axis) {
-          const double length = middles_[1][axis] - middles_[0][axis];
-          per_length[axis] = 1 / (std::abs(length) > kLeast ? length : kLeast);
-        }
-        for (size_t g = 0; g < list.groupCount(); ++g) {
-          const BlockerList::Group& group = list.group(g);
-          Doubles enters = 0, leaves = 1;
-          for (int axis = 0; axis < 3; ++axis) {
-            const Doubles one = (load<Doubles>(group.bounds[axis]) - middles_[0][axis]) * per_length[axis],
-                          other = (load<Doubles>(group.bounds[3 + axis]) - middles_[0][axis]) * per_length[axis];
-            enters = greatest(enters, least(one, other)), leaves = least(leaves, greatest(one, other));
-          }
-          const Doubles inside = leaves - enters;
-          for (int k = 0; k < kBlockerLanes; ++k) {
-            if (!(inside[k] >= -kTouchingShaft) || group.indices[k] == UINT32_MAX) continue;
-            if (!areHiddenBy<Doubles>(blockers[group.indices[k]])) continue;
-            found = group.indices[k];
-            return;
-          }
-        }
+        const auto isHider = [&](uint32_t index) __attribute__((always_inline)) {
+          const bool is_hider = areHiddenBy<Doubles>(blockers[index]);
+          if (is_hider) found = index;
+          return is_hider;
+        };
+        forEachOnLine<Doubles>(list, middles_[0], middles_[1], kTouchingShaft, isHider);
       });
   return found;
 }
@@ -227,6 +219,14 @@ bool areApart(const Patch& patch, const Blocker& blocker) {
   for (uint32_t e = 0; e < patch.corner_count; ++e)
     if (isBeyond(patch.edge_normals[e], patch.edge_offsets[e])) return true;
   return false;
+}
+
+bool areApart(const Box& box, const Blocker& blocker) {
+  const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
+  const double height = glm::dot(blocker.normal, middle) - blocker.offset;
+  if (std::abs(height) > glm::dot(glm::abs(blocker.normal), reach) + kTouchingShaft) return true;
+  const dvec3 gap = glm::max(blocker.low - box.high, box.low - blocker.high);
+  return std::max({gap.x, gap.y, gap.z}) > kTouchingShaft;
 }
 
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {

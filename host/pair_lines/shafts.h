@@ -24,6 +24,11 @@ struct Box {
   glm::dvec3 low{0}, high{0};
 };
 
+// Returns one of the eight corners of a box.
+inline glm::dvec3 cornerOf(const Box& box, int k) {
+  return glm::dvec3(k & 1 ? box.high.x : box.low.x, k & 2 ? box.high.y : box.low.y, k & 4 ? box.high.z : box.low.z);
+}
+
 // A Shaft is bounded by planes around all lines between two ends: a box or a patch, and a box.
 class Shaft {
  public:
@@ -32,6 +37,8 @@ class Shaft {
   // Copies the blockers of `from` that may reach into the shaft, in their order.
   //   Out: to: closed    Cost: O(from).
   void keepInside(const BlockerList& from, BlockerList& to, Vectors vectors) const;
+  // Returns whether no line between the ends of the shaft meets an edge with these two ends.
+  bool isOutside(const std::array<glm::dvec3, 2>& edge) const;
 
  private:
   void addPlane(const glm::dvec3& normal, double offset);
@@ -70,6 +77,8 @@ class Corners {
 // Returns true where a patch and a blocker surely have no point in common, except on the patch's edges. It may return
 // false for others that are apart, too.
 bool areApart(const Patch& patch, const Blocker& blocker);
+// Returns true where a box and a blocker surely have no point in common.
+bool areApart(const Box& box, const Blocker& blocker);
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.
 class PatchShaft {

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 
 #include "unoccluded/far_rules.h"
+#include "unoccluded/front_parts.h"
 #include "unoccluded/shared.h"
 #include "threads.h"
 
@@ -124,11 +125,29 @@ std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_
   return cuts;
 }
 
+// Returns x^n.
+double raised(double x, uint32_t n) {
+  double power = 1;
+  for (; n > 0; n /= 2, x *= x)
+    if (n % 2 == 1) power *= x;
+  return power;
+}
+
 // Returns whether two edges are parallel, but for rounding of their corners.
 bool areParallel(const dvec3& p, const dvec3& q) {
   constexpr double kSine = 8 * kUnit;
   const dvec3 across = cross(p, q);
   return dot(across, across) <= kSine * kSine * dot(p, p) * dot(q, q);
+}
+
+// Returns whether every edge of one polygon is parallel or perpendicular to every edge of the other.
+bool haveClosedForms(const ShapeData& a, const ShapeData& b) {
+  for (size_t k = 0; k < 4; ++k)
+    for (size_t m = 0; m < 4; ++m) {
+      const dvec3 p = a.corners[(k + 1) % 4] - a.corners[k], q = b.corners[(m + 1) % 4] - b.corners[m];
+      if (dot(p, q) != 0 && !areParallel(p, q)) return false;
+    }
+  return true;
 }
 
 // Returns int_p int_q (1 + ln r) ds . dt of parallel edges in closed form: the second difference of K, K'' = 1 + ln r.
@@ -159,6 +178,7 @@ double integrateParallel(const dvec3& p_start, const dvec3& p_along, const dvec3
 void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
   sum.unseen_pairs += part.unseen_pairs;
   for (size_t rule = 0; rule < part.far_pairs.size(); ++rule) sum.far_pairs[rule] += part.far_pairs[rule];
+  sum.cut_pairs += part.cut_pairs;
   sum.near_pairs += part.near_pairs;
   sum.again_pairs += part.again_pairs;
   sum.line_integrals += part.line_integrals;
@@ -251,6 +271,13 @@ uint32_t HostUnoccluded::classify(const Sides& sides, double& far_error) const {
     is_seen = sides.areTouching() && sides.distance < a.radius + b.radius && &a != &b;
   if (!is_seen) return unseen;
   if (leastOf(sides.depths_a) <= 0 || leastOf(sides.depths_b) <= 0 || sides.areTouching()) return kNearList;
+  return chooseRule(sides, far_error);
+}
+
+// Returns the number of the first product rule whose bound is small enough, or kNearList where there is none.
+//   In: sides: neither reaches behind the other's plane    Out: far_error: as from classify
+uint32_t HostUnoccluded::chooseRule(const Sides& sides, double& far_error) const {
+  const ShapeData &a = sides.a, &b = sides.b;
   Coordinates over_a = coordinatesOf(a, sides.distance, b.radius, slopeOf(sides.depths_a)),
               over_b = coordinatesOf(b, sides.distance, a.radius, slopeOf(sides.depths_b));
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
@@ -303,6 +330,35 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
+// Returns the exchange area by product rules over the parts of the sides in front of each other's planes. It returns
+// nothing where the sides are too near for these rules, or have closed forms.
+std::optional<HostUnoccluded::Found> HostUnoccluded::integrateCut(const Sides& sides) const {
+  constexpr double kNear = 2;  // in radii; nearer sides rarely have a rule
+  if (sides.areTouching() || sides.distance < kNear * (sides.a.radius + sides.b.radius)) return std::nullopt;
+  if (haveClosedForms(sides.a, sides.b)) return std::nullopt;
+  const FrontParts of_a = frontPartsOf(sides.a, sides.depths_a, sides.rounding_a),
+                   of_b = frontPartsOf(sides.b, sides.depths_b, sides.rounding_b);
+  Found found;
+  for (size_t k = 0; k < of_a.count; ++k)
+    for (size_t m = 0; m < of_b.count; ++m) {
+      const FrontPart &a = of_a.parts[k], &b = of_b.parts[m];
+      const Sides parts{a.shape,          b.shape,
+                        sides.normal_a,   sides.normal_b,
+                        sides.plane_a,    sides.plane_b,
+                        sides.tie_rank_a, sides.tie_rank_b,
+                        sides.is_flipped, glm::length(meanCorner(b.shape) - meanCorner(a.shape)),
+                        a.depths,         b.depths,
+                        sides.rounding_a, sides.rounding_b};
+      double error = 0;
+      const uint32_t rule = chooseRule(parts, error);
+      if (rule == kNearList) return std::nullopt;
+      const double area = integrateFar(parts, rule);
+      found.area += area, found.error += error * area;
+    }
+  if (!(found.error <= kUnoccludedRelativeError * found.area)) return std::nullopt;
+  return found;
+}
+
 // Returns int_p int_q ln r ds . dt, eq. (38). The outer integral, over the shorter edge, is by a Gauss rule.
 //   Out: error: raised by a bound on the error of the rule, and by rounding
 double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
@@ -319,7 +375,7 @@ double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error
     error += kLineRounds[round].graded_error * std::abs(together);
   } else {
     const double axes = clear + std::sqrt(std::max(clear * clear - 1, 0.0));
-    error += 4 * std::pow(axes, -2.0 * kLineRounds[round].points[rule]) * std::abs(together);
+    error += 4 / raised(axes * axes, kLineRounds[round].points[rule]) * std::abs(together);
   }
 
   const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule
@@ -407,6 +463,11 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, Lines lines, Un
     const double area = integrateFar(sides, way);
     return {area, far_error * area};
   }
+  if (lines == Lines::parallel_closed)
+    if (const std::optional<Found> cut = integrateCut(sides)) {
+      ++work.cut_pairs;
+      return *cut;
+    }
   ++work.near_pairs;
   const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
   Found found;

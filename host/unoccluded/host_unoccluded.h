@@ -1,6 +1,7 @@
 // HostUnoccluded computes unoccluded exchange areas on the processor, pair by pair.
 #pragma once
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "unoccluded/gauss.h"
@@ -28,8 +29,9 @@ class HostUnoccluded {
   };
   // Computes the exchange area of one pair. Several threads may call it at once.    Out: work: raised
   Found find(const SidePair& pair, UnoccludedWork& work) const;
-  // Does the same, but takes closed forms of parallel edges, which the kernels have not. Near pairs whose edges are
-  // parallel or perpendicular to each other have no error but rounding then.
+  // Does the same, but in two more ways, which the kernels have not. Polygons that reach behind each other's planes,
+  // though they are not near, are cut there, and their parts take product rules. Near pairs take closed forms of
+  // parallel edges, and have no error but rounding where all their edges are parallel or perpendicular to each other.
   //   Error: Found::error; tests/unit/unoccluded_error_test.cpp.
   Found findClosely(const SidePair& pair, UnoccludedWork& work) const;
 
@@ -51,6 +53,8 @@ class HostUnoccluded {
   Found find(const SidePair& pair, Lines lines, UnoccludedWork& work) const;
   uint32_t classify(const Sides& sides, double& far_error) const;
   static double roundingOf(const Sides& sides);
+  uint32_t chooseRule(const Sides& sides, double& far_error) const;
+  std::optional<Found> integrateCut(const Sides& sides) const;
   double integrateFar(const Sides& sides, uint32_t rule) const;
   double integrateNear(const Sides& sides, size_t round, Lines lines, double& error, UnoccludedWork& work) const;
   double integrateLine(Edge p, Edge q, size_t round, double& error) const;

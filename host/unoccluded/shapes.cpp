@@ -28,11 +28,21 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   for (uint32_t k = 0; k < 4; ++k)
     shape.corners[k] = scene.corners[polygon.first_corner + std::min(k, polygon.corner_count - 1)];
   const auto& c = shape.corners;
+  shape.normal = glm::normalize(glm::cross(c[2] - c[0], c[3] - c[1]));
+  measureShape(shape);
+  shape.tie_rank = polygon.tie_rank;
+  shape.plane = 2 * polygon.plane + (polygon.front_along_plane_normal ? 0 : 1);
+  return shape;
+}
+
+}  // namespace
+
+void measureShape(ShapeData& shape) {
+  const auto& c = shape.corners;
   const glm::dvec3 mean = meanCorner(shape);
   const auto [along_u, along_v, along_uv] = stretchOf(shape);
-  const glm::dvec3 area_vector = glm::cross(c[2] - c[0], c[3] - c[1]) / 2.0;
-  shape.area = glm::length(area_vector);
-  shape.normal = area_vector / shape.area;
+  shape.area = glm::dot(shape.normal, glm::cross(c[2] - c[0], c[3] - c[1])) / 2;
+  shape.reach = shape.radius = 0;
   shape.density = glm::dot(shape.normal, glm::cross(along_u, along_v));
   shape.density_u = glm::dot(shape.normal, glm::cross(along_u, along_uv));
   shape.density_v = glm::dot(shape.normal, glm::cross(along_uv, along_v));
@@ -50,12 +60,7 @@ ShapeData makeShape(const Scene& scene, const Polygon& polygon) {
   for (const glm::dvec3& corner : c) shape.radius = std::max(shape.radius, glm::length(corner - mean));
   // Area / diameter is the least width, to a factor of 2. Each coordinate of a corner is rounded by at most 2^-53.
   shape.tilt = 4 * std::numeric_limits<double>::epsilon() * shape.radius / shape.area;
-  shape.tie_rank = polygon.tie_rank;
-  shape.plane = 2 * polygon.plane + (polygon.front_along_plane_normal ? 0 : 1);
-  return shape;
 }
-
-}  // namespace
 
 std::vector<ShapeData> makeShapes(const Scene& scene) {
   std::vector<ShapeData> shapes;

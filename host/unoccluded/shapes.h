@@ -16,6 +16,9 @@ namespace viewpeel {
 //   Throws: nothing.     Cost: O(polygons).     Source: none.
 std::vector<unoccluded_data::ShapeData> makeShapes(const Scene& scene);
 
+// Fills in what follows from a shape's corners and its normal: area, density, skew, reach, radius and tilt.
+void measureShape(unoccluded_data::ShapeData& shape);
+
 // Returns the mean of the four corners, which need not be the centroid.
 inline glm::dvec3 meanCorner(const unoccluded_data::ShapeData& shape) {
   return 0.25 * ((shape.corners[0] + shape.corners[1]) + (shape.corners[2] + shape.corners[3]));

@@ -42,6 +42,7 @@ struct UnreachedPair {
 struct UnoccludedWork {
   uint64_t pairs = 0, unseen_pairs = 0;      // all pairs; pairs of polygons that cannot see each other
   std::array<uint64_t, 5> far_pairs{};       // pairs by the product rules of 2, 3, 4, 5, 6 points a coordinate
+  uint64_t cut_pairs = 0;                    // pairs whose parts in front of each other take product rules
   uint64_t near_pairs = 0, again_pairs = 0;  // pairs integrated along their contours; repeats with more points
   uint64_t line_integrals = 0;               // integrals over pairs of edges
   std::vector<std::pair<std::string, double>> pass_seconds;  // name of each pass on the device, and its time in s

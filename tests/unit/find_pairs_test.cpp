@@ -190,9 +190,41 @@ bool areAlike(const PatchPairs& x, const PatchPairs& y) {
   return std::ranges::equal(x.pairs, y.pairs, isSame) && std::ranges::equal(x.between, y.between, isSameBlocker);
 }
 
+// Two walls that meet at a corner hide a box from a square, unless there is a gap between them, the box is so large
+// that a line past the ends of the walls reaches it, or it touches a wall.
+TEST(PairFinder, WallsThatMeetHideABox) {
+  const auto isHidden = [](double gap, const Box& box) {
+    InputScene input{"walls", {}, {}};
+    ts::addFace(input, "left", ts::parallelogram({0, 0, 0}, {0, 1, 0}, {0, 0, 1}));
+    ts::addFace(input, "first", ts::parallelogram({2.5, -3, -2}, {-0.5, 3.5 - gap, 0}, {0, 0, 5}));
+    ts::addFace(input, "second", ts::parallelogram({2, 0.5, -2}, {0.5, 3.5, 0}, {0, 0, 5}));
+    const Scene scene = buildScene(input);
+    const PairFinder finder(scene, makeIds(scene, By::polygon, false));
+    const auto inBall = [&](const glm::dvec3& corner) { return (corner - scene.centre) / scene.scale; };
+    const Box placed{inBall(box.low), inBall(box.high)};
+    const Patch& left = finder.patches()[0];
+    const Shaft shaft(left, placed);
+    BlockerList all, inside;
+    all.clear(finder.blockers().size());
+    for (uint32_t k = 0; k < finder.blockers().size(); ++k) all.add(k, finder.blockers()[k]);
+    all.close();
+    shaft.keepInside(all, inside, widestVectors());
+    EXPECT_EQ(inside.size(), 2u);
+    Curtain curtain(finder.blockers(), finder.mesh());
+    return curtain.hides(left, placed, shaft, inside, widestVectors());
+  };
+  EXPECT_TRUE(isHidden(0, {{4, 0, 0}, {5, 1, 1}}));
+  EXPECT_FALSE(isHidden(0, {{-1, 0, 0}, {9, 1, 1}}));
+  EXPECT_TRUE(isHidden(0, {{2.6, 0, 0}, {5, 1, 1}}));
+  EXPECT_FALSE(isHidden(0, {{2, 0, 0}, {5, 1, 1}}));
+  EXPECT_FALSE(isHidden(0, {{4, 0, 0}, {5, 12, 1}}));
+  EXPECT_FALSE(isHidden(1e-3, {{4, 0, 0}, {5, 1, 1}}));
+  EXPECT_FALSE(isHidden(1e-6, {{4, 0, 0}, {5, 1, 1}}));
+}
+
 // Single pairs are decided against all blockers, clusters against the few that are left. The sample of estimatePairs()
 // has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five standard
-// errors are allowed.
+// errors are allowed. A curtain may hide a row of patches, though it is not found for each of its pairs.
 TEST(PairFinder, SinglePairsAreCounted) {
   for (const InputScene& input : {bench::roomWithBoxes(1), bench::triangulatedCity(1000).scene, bench::city(1000)}) {
     SCOPED_TRACE(input.file);
@@ -204,10 +236,12 @@ TEST(PairFinder, SinglePairsAreCounted) {
     for (uint32_t p = 0; p < patch_count; ++p)
       for (uint32_t q = 0; q < p; ++q) all.emplace_back(p, q);
     const size_t found = finder.find(2).pairs.size();
-    EXPECT_EQ(finder.countFound(all), found);
+    const size_t each = finder.countFound(all);
+    EXPECT_GE(each, found);
+    EXPECT_LT(double(each), 1.02 * double(found));
     EXPECT_EQ(finder.countFound(std::span(all).first(all.size() / 2)) +
                   finder.countFound(std::span(all).subspan(all.size() / 2)),
-              found);
+              each);
     const PairNumbers numbers = PairLines(scene, ids, false, 1).estimatePairs();
     EXPECT_NEAR(numbers.found, double(found), 5 * patch_count / 16.0 * patch_count / 16.0);
     EXPECT_LT(numbers.found, numbers.facing);

@@ -10,7 +10,10 @@
 #include <viewpeel/compute.h>
 
 #include "reference/closed_forms/rectangles.h"
+#include "scenes/generate.h"
 #include "scenes/named_scenes.h"
+#include "scenes/triangulated_city.h"
+#include "unoccluded/front_parts.h"
 
 namespace viewpeel {
 namespace {
@@ -119,6 +122,79 @@ TEST(UnoccludedError, RulesAgreeWithClosedForms) {
         ASSERT_LE(std::abs(by_rules.area - closely.area), by_rules.error + closely.error) << i << " " << j;
       }
   }
+}
+
+// Polygons that reach behind each other's planes are cut there. Contours give the same areas within the errors of both.
+TEST(UnoccludedError, CutPolygonsAgreeWithContours) {
+  UnoccludedWork work;
+  double largest = 0;  // of the differences, in stated errors
+  for (const InputScene& input :
+       {bench::triangulatedCity(1000).scene, bench::city(1000), ts::triangleSoup(100, 0.2, 6)}) {
+    const Scene scene = buildScene(input);
+    const HostUnoccluded exchange(scene, 1);
+    for (uint32_t i = 0; i < scene.polygons.size(); i += 7)
+      for (uint32_t j = 0; j < scene.polygons.size(); ++j) {
+        const SidePair pair{frontSide(i), frontSide(j)};
+        const uint64_t before = work.cut_pairs;
+        const HostUnoccluded::Found closely = exchange.findClosely(pair, work);
+        if (work.cut_pairs == before) continue;
+        const HostUnoccluded::Found by_rules = exchange.find(pair, work);
+        ASSERT_LE(closely.error, kUnoccludedRelativeError * closely.area);
+        ASSERT_LE(std::abs(by_rules.area - closely.area), by_rules.error + closely.error) << i << " " << j;
+        // The next check needs contours with a much smaller error.
+        if (by_rules.error < 0.1 * closely.error)
+          largest = std::max(largest, std::abs(by_rules.area - closely.area) / closely.error);
+      }
+  }
+  EXPECT_GT(work.cut_pairs, 5'000u);
+  EXPECT_GT(largest, 1e-3);  // the stated error is a bound, but not out of all proportion
+}
+
+// The parts of a polygon on both sides of a plane have its area together, and its integral of the depth.
+TEST(FrontParts, OfBothSidesAddUp) {
+  std::mt19937_64 random(3);
+  std::normal_distribution<double> normal;
+  size_t fives = 0;
+  for (int k = 0; k < 400; ++k) {
+    unoccluded_data::ShapeData shape{};
+    const glm::dvec3 a(normal(random), normal(random), normal(random)), b(normal(random), normal(random), 0);
+    // Convex quadrilaterals, and triangles, whose last corner stands twice.
+    shape.corners[0] = glm::dvec3(0), shape.corners[1] = a, shape.corners[3] = b;
+    shape.corners[2] = k % 2 ? b : 0.9 * a + 0.8 * b;
+    shape.normal = glm::normalize(glm::cross(a, b));
+    measureShape(shape);
+    const glm::dvec3 across = glm::normalize(glm::dvec3(normal(random), normal(random), normal(random)));
+    const double offset = glm::dot(across, 0.4 * (a + b)) + 0.1 * normal(random);
+    std::array<double, 4> depths, heights;
+    for (size_t c = 0; c < 4; ++c) depths[c] = glm::dot(across, shape.corners[c]) - offset, heights[c] = -depths[c];
+    double area = 0, depth = 0;
+    const auto add = [&](const FrontParts& front, double sign) {
+      fives += front.count == 2;
+      for (size_t m = 0; m < front.count; ++m) {
+        const FrontPart& part = front.parts[m];
+        area += part.shape.area;
+        for (const std::array<size_t, 3>& of : {std::array<size_t, 3>{0, 1, 2}, std::array<size_t, 3>{0, 2, 3}}) {
+          const auto& c = part.shape.corners;
+          const double triangle = 0.5 * glm::length(glm::cross(c[of[1]] - c[of[0]], c[of[2]] - c[of[0]]));
+          depth += sign * triangle * (part.depths[of[0]] + part.depths[of[1]] + part.depths[of[2]]) / 3;
+        }
+        for (const double part_depth : part.depths) EXPECT_GE(part_depth, 0);
+      }
+    };
+    add(frontPartsOf(shape, depths, 1e-15), 1);
+    add(frontPartsOf(shape, heights, 1e-15), -1);
+    double whole = 0;
+    for (const std::array<size_t, 3>& of : {std::array<size_t, 3>{0, 1, 2}, std::array<size_t, 3>{0, 2, 3}}) {
+      const auto& c = shape.corners;
+      whole += 0.5 * glm::length(glm::cross(c[of[1]] - c[of[0]], c[of[2]] - c[of[0]])) *
+               (depths[of[0]] + depths[of[1]] + depths[of[2]]) / 3;
+    }
+    // Some 30 roundings of numbers below 30.
+    const double rounding = 30 * 30 * 2.2e-16;
+    EXPECT_NEAR(area, shape.area, rounding);
+    EXPECT_NEAR(depth, whole, rounding);
+  }
+  EXPECT_GT(fives, 20u);
 }
 
 // Every form factor of a cube is exact. Standard errors and intervals say so, by polygon and summed by surface.
