@@ -101,7 +101,9 @@ LineVariances variancesOf(const LineSums::PairSum& sum) {
   const double facing = double(sum.facing), all = double(sum.all), visibility = facing / all;
   LineVariances found{.lines = double(sum.effective) / kEffectiveUnit};
   found.by_chance = varianceByChance(visibility, found.lines);
-  found.expected = std::pow(double(sum.blocks), -0.25) * found.by_chance;
+  // D of eq. (47): even lines err less, but not where few are of the rarer kind.
+  const double deciding = std::max(1.0, 4 * found.by_chance * (found.lines + 1) * double(sum.blocks));
+  found.expected = std::pow(deciding, -0.25) * found.by_chance;
   // Replicates of different sizes count as this number of replicates of one size.
   const double sizes = all * all / (256 * double(sum.all_squares)),
                replicates = std::min(double(sum.replicates), sizes);

@@ -178,7 +178,7 @@ Visibility visibilityOf(const LineSums::PairSum& sum, uint32_t planned_blocks, c
 struct LineVariances {
   double lines = 0;               // n: lines of equal weight
   double by_chance = 0;           // c: of independent lines
-  double expected = 0;            // c B^-1/4: of scrambled points
+  double expected = 0;            // c D^-1/4: of scrambled points
   double of_replicates = 0;       // s^2; 0 from a single replicate
   double degrees_of_freedom = 0;  // of of_replicates: replicates of one size less 1; 0 from a single replicate
 };

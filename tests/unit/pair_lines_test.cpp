@@ -388,6 +388,20 @@ TEST(LineSums, MissingWeightIsUnknown) {
   EXPECT_GE(std::sqrt(visibilityOf(sum, 64).variance), 0.25);
 }
 
+// Of 1,024 scrambled lines, 2 that are clear err as by chance. Half of them, an even share, err less: eq. (47).
+TEST(LineSums, FewLinesOfAKindErrAsByChance) {
+  const auto variancesWith = [](uint32_t clear) {
+    LineSums::PairSum sum;
+    LineSums::addTo(sum, {0, 64, uint32_t(kLineUnit / 1024) * clear, uint32_t(kLineUnit), 1024 * 256});
+    return variancesOf(sum);
+  };
+  for (const uint32_t few : {0u, 2u, 1022u, 1024u})
+    EXPECT_EQ(variancesWith(few).expected, variancesWith(few).by_chance) << few;
+  // The half line of either kind changes 64 blocks by 1e-6 of them.
+  EXPECT_NEAR(variancesWith(512).expected, std::pow(64, -0.25) * variancesWith(512).by_chance, 1e-9);
+  EXPECT_NEAR(variancesWith(512).by_chance, 0.25 / 1025, 1e-9);
+}
+
 // A replicate of hardly any weight does not change the variance of the other two.
 TEST(LineSums, ReplicatesCountByTheirWeight) {
   LineSums::PairSum two;
