@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
 #include "program/command_line.h"
 #include "program/request_options.h"
 #include "program/solve_command.h"

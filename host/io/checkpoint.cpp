@@ -6,7 +6,8 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
+#include "io/hdf5_output.h"
 #include "io/sum_columns.h"
 #include "io/write_file.h"
 #include "sums/add_pairs.h"

@@ -8,7 +8,7 @@
 #include <utility>
 #include <vector>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
 #include "report/report_content.h"
 
 namespace viewpeel {

@@ -5,7 +5,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
+#include "io/hdf5_output.h"
 #include "sums/run_sums.h"
 
 namespace viewpeel {

@@ -14,7 +14,7 @@
 
 #include "io/guesses.h"
 #include "io/hdf5_frame.h"
-#include "io/hdf5_file.h"
+#include "io/hdf5_output.h"
 #include "io/read_report.h"
 #include "io/entry_rows.h"
 #include "io/shown_rows.h"

@@ -11,7 +11,7 @@
 #include "directions/sampler.h"
 #include "engines/engine_factory.h"
 #include "estimator/plan.h"
-#include "io/hdf5_file.h"
+#include "io/hdf5_output.h"
 #include "io/hdf5_frame.h"
 #include "io/write_file.h"
 #include "run/ranked_rows.h"

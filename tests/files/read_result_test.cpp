@@ -167,7 +167,7 @@ TEST_F(ReadResult, RefusesOtherFiles) {
   EXPECT_NE(refusal(folder_ / "run.h5").find("checkpoint"), std::string::npos);
 }
 
-// An Edit changes a file by h5py, and then renews the check sum of host/io/hdf5_file.h. `why` is the message of the
+// An Edit changes a file by h5py, and then renews the check sum of host/io/hdf5_output.h. `why` is the message of the
 // refusal. `is_shown` is false where a page does not read the changed data.
 struct Edit {
   const char *code, *why;

@@ -1,5 +1,5 @@
 // In fuzz targets of .h5 files the input decides, column by column, which values are stored. HDF5 itself always gets
-// sound files, for it may crash on damaged ones, which the check sum normally keeps out (host/io/hdf5_file.h).
+// sound files, for it may crash on damaged ones, which the check sum normally keeps out (host/io/hdf5_output.h).
 #pragma once
 #include <cstring>
 #include <filesystem>
@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_output.h"
 
 namespace viewpeel::fuzz {
 

@@ -15,7 +15,7 @@
 
 #include <fmt/ostream.h>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_output.h"
 #include "report/write_page.h"
 
 namespace {

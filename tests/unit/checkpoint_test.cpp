@@ -12,7 +12,8 @@
 
 #include <viewpeel/error.h>
 #include "estimator/estimate.h"
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
+#include "io/hdf5_output.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/checkpoint_file.h"
 

@@ -11,7 +11,7 @@
 #include <viewpeel/read.h>
 #include <viewpeel/write.h>
 
-#include "io/hdf5_file.h"
+#include "io/hdf5_input.h"
 #include "scenes/generate.h"
 #include "tests/support/test_folder.h"
 #include "tests/support/thread_ranks.h"
