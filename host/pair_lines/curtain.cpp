@@ -86,14 +86,14 @@ bool Curtain::hides(const Patch& a, const Box& b, const Shaft& shaft, const Bloc
   if (!isInFront(q)) return false;
   const uint32_t first = findOnLine(blockers_, between, p, q, vectors);
   if (first == UINT32_MAX) return false;
-  // Most curtains are tried in vain. Lines to the corners of both ends tell so for less.
+  // Most boxes are not hidden. A clear line to a corner of either end shows this sooner than a curtain that fails. The
+  // blocker of one line often stops the next.
   uint32_t last = first;
   const auto isBlocked = [&](const dvec3& start, const dvec3& end) {
     if (isOnLine(blockers_[last], start, end)) return true;
-    last = findOnLine(blockers_, between, start, end, vectors);
-    if (last != UINT32_MAX) return true;
-    last = first;
-    return false;
+    const uint32_t found = findOnLine(blockers_, between, start, end, vectors);
+    if (found != UINT32_MAX) last = found;
+    return found != UINT32_MAX;
   };
   for (int k = 0; k < 8; ++k) {
     const dvec3 corner = cornerOf(b, k);

@@ -16,8 +16,8 @@ using glm::dvec3;
 
 constexpr size_t kTasks = 256;      // least number of tasks to share out to threads
 constexpr size_t kFewBlockers = 8;  // so few blockers are tested with each pair at once, without clusters
-constexpr size_t kRowShaft = 2;     // a patch's row of at least this number of patches has a shaft of its own,
-constexpr size_t kRowCurtain = 3;   // and one of at least this number tries to find a curtain
+constexpr size_t kRowShaft = 2;     // a row of at least this number of patches gets a shaft of its own,
+constexpr size_t kRowCurtain = 3;   // and for a row of at least this number a curtain is looked for
 
 }  // namespace
 
