@@ -5,6 +5,8 @@
 
 #include <glm/glm.hpp>
 
+#include "scene/coincident.h"
+
 namespace viewpeel {
 
 using glm::dvec3;
@@ -14,6 +16,9 @@ namespace {
 Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
 
 constexpr double kInfinity = INFINITY;
+// A patch lies nearer than this to the blockers of its own plane, which do not hide it. Boxes do not say which planes
+// their patches lie in, so a blocker must be farther than this from them.
+constexpr double kInPlane = 2 * kCoincidenceReach;
 
 template <class Doubles>
 VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker) {
@@ -158,8 +163,8 @@ template <class Doubles>
   const Doubles from = heightsOf(first, blocker), to = heightsOf(second, blocker);
   const double least_from = leastOf(from), largest_from = largestOf(from), least_to = leastOf(to),
                largest_to = largestOf(to);
-  const bool is_between = (least_from > kTouchingShaft && largest_to < -kTouchingShaft) ||
-                          (largest_from < -kTouchingShaft && least_to > kTouchingShaft);
+  const bool is_between =
+      (least_from > kInPlane && largest_to < -kInPlane) || (largest_from < -kInPlane && least_to > kInPlane);
   if (!is_between) return false;
   for (int i = 0; i < count_; ++i) {
     const double p[3] = {first_[0][i], first_[1][i], first_[2][i]}, height = from[i];
@@ -224,9 +229,9 @@ bool areApart(const Patch& patch, const Blocker& blocker) {
 bool areApart(const Box& box, const Blocker& blocker) {
   const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
   const double height = glm::dot(blocker.normal, middle) - blocker.offset;
-  if (std::abs(height) > glm::dot(glm::abs(blocker.normal), reach) + kTouchingShaft) return true;
+  if (std::abs(height) > glm::dot(glm::abs(blocker.normal), reach) + kInPlane) return true;
   const dvec3 gap = glm::max(blocker.low - box.high, box.low - blocker.high);
-  return std::max({gap.x, gap.y, gap.z}) > kTouchingShaft;
+  return std::max({gap.x, gap.y, gap.z}) > kInPlane;
 }
 
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {

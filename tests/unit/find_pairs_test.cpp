@@ -222,6 +222,31 @@ TEST(PairFinder, WallsThatMeetHideABox) {
   EXPECT_FALSE(isHidden(1e-6, {{4, 0, 0}, {5, 1, 1}}));
 }
 
+// The wall that a patch is a part of hides nothing from the patch. Corners in single precision may lie behind their own
+// wall, by more than kTouchingShaft.
+TEST(PairFinder, APatchIsNotBehindItsOwnWall) {
+  uint64_t behind_count = 0;
+  for (const uint64_t seed : {1u, 2u, 3u}) {
+    const Scene scene = buildScene(ts::roundedToSingle(bench::triangulatedCity(1000, seed).scene));
+    const PairFinder finder(scene, makeIds(scene, By::polygon, false));
+    for (const Patch& patch : finder.patches()) {
+      const Box own{patch.low, patch.high},
+          other{patch.middle + 0.5 * patch.normal - 1e-3, patch.middle + 0.5 * patch.normal + 1e-3};
+      for (const Blocker& blocker : finder.blockers()) {
+        if (blocker.plane != patch.plane) continue;
+        behind_count += std::ranges::all_of(patch.corners, [&](const glm::dvec3& corner) {
+          const double height = glm::dot(blocker.normal, corner) - blocker.offset;
+          return (glm::dot(blocker.normal, patch.normal) > 0 ? height : -height) < -kTouchingShaft;
+        });
+        EXPECT_FALSE(Corners(patch, other).areHidden(blocker, widestVectors()));
+        EXPECT_FALSE(Corners(own, other).areHidden(blocker, widestVectors()));
+        EXPECT_FALSE(areApart(own, blocker) && covers(blocker, patch));
+      }
+    }
+  }
+  EXPECT_GT(behind_count, 10u);
+}
+
 // Single pairs are decided against all blockers, clusters against the few that are left. The sample of estimatePairs()
 // has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five standard
 // errors are allowed. A curtain may hide a row of patches, though it is not found for each of its pairs.
