@@ -16,8 +16,8 @@ namespace {
 Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
 
 constexpr double kInfinity = INFINITY;
-// A patch lies nearer than this to the blockers of its own plane, which do not hide it. Boxes do not say which planes
-// their patches lie in, so a blocker must be farther than this from them.
+// A patch lies nearer than this to the blockers of its own plane, which do not hide it. A box does not say in which
+// planes its patches lie. So a blocker counts only where it is farther than this from the box.
 constexpr double kInPlane = 2 * kCoincidenceReach;
 
 template <class Doubles>

@@ -55,7 +55,7 @@ class Shaft {
 };
 
 // Corners hold the corners of two convex ends, up to eight each, and tell which blockers hide one end from the other.
-// Blockers that lie in one plane with an end, but for rounding, do not count.
+// A blocker whose plane an end lies in, but for rounding, does not count.
 class Corners {
  public:
   Corners(const Box& a, const Box& b);
@@ -78,8 +78,7 @@ class Corners {
 // Returns true where a patch and a blocker surely have no point in common, except on the patch's edges. It may return
 // false for others that are apart, too.
 bool areApart(const Patch& patch, const Blocker& blocker);
-// Returns true where a box and a blocker surely have no point in common, and no patch in the box lies in the blocker's
-// plane, rounded.
+// Returns true where a box and a blocker surely have no point in common, by more than patches lie beside their planes.
 bool areApart(const Box& box, const Blocker& blocker);
 
 // A PatchShaft is the shaft of two patches that do not lie in one plane.

@@ -29,9 +29,9 @@ class HostUnoccluded {
   };
   // Computes the exchange area of one pair. Several threads may call it at once.    Out: work: raised
   Found find(const SidePair& pair, UnoccludedWork& work) const;
-  // Does the same, but in two more ways, which the kernels have not. Polygons that reach behind each other's planes,
-  // though they are not near, are cut there, and their parts take product rules. Near pairs take closed forms of
-  // parallel edges, and have no error but rounding where all their edges are parallel or perpendicular to each other.
+  // Does the same as find(), with two methods that the kernels do not have. Distant polygons that reach behind each
+  // other's planes are cut there, and their parts take product rules. Near pairs take closed forms of parallel edges:
+  // where all edges are parallel or perpendicular to each other, rounding is the only error.
   //   Error: Found::error; tests/unit/unoccluded_error_test.cpp.
   Found findClosely(const SidePair& pair, UnoccludedWork& work) const;
 

@@ -150,7 +150,7 @@ TEST(UnoccludedError, CutPolygonsAgreeWithContours) {
   EXPECT_GT(largest, 1e-3);  // the stated error is a bound, but not out of all proportion
 }
 
-// The parts of a polygon on both sides of a plane have its area together, and its integral of the depth.
+// The parts of a polygon on both sides of a plane add up to its area, and to its integral of the depth.
 TEST(FrontParts, OfBothSidesAddUp) {
   std::mt19937_64 random(3);
   std::normal_distribution<double> normal;
