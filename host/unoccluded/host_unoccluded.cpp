@@ -6,6 +6,7 @@
 
 #include <glm/glm.hpp>
 
+#include "unoccluded/edge_integrals.h"
 #include "unoccluded/far_rules.h"
 #include "unoccluded/front_parts.h"
 #include "unoccluded/shared.h"
@@ -19,11 +20,8 @@ using glm::dot, glm::cross;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr uint32_t kGradedRule = kLineRules - 1;
-constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
-constexpr double kUnit = 2.2e-16;    // relative rounding of double precision
-constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
-constexpr size_t kChunk = 256;       // pairs that a thread takes at once
+constexpr double kUnit = 2.2e-16;  // relative rounding of double precision
+constexpr size_t kChunk = 256;     // pairs that a thread takes at once
 
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
@@ -92,54 +90,6 @@ Patch patchOf(const ShapeData& shape, const std::array<double, 4>& d) {
           {shape.density, shape.density_u, shape.density_v}};
 }
 
-// Returns the inner integral of docs/method.md, eq. (38), over the edge q, for one point of p. The integrand is
-// 1 + ln r in place of ln r, which saves terms: the 1 adds up to nothing around a polygon.
-//   In: from: the point less the start of q; direction: unit vector along q
-//   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
-double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
-  const double along = dot(from, direction), rest = length_q - along;
-  const dvec3 across = cross(from, direction);
-  const double square = dot(across, across), d = std::sqrt(square);
-  const double first = 0.5 * along * std::log(std::max(along * along + square, kLeast)),
-               last = 0.5 * rest * std::log(std::max(rest * rest + square, kLeast));
-  const double turn = d * std::atan2(d * length_q, square - rest * along + kLeast);
-  magnitude = std::max(magnitude, std::abs(first) + std::abs(last) + turn);
-  return first + last + turn;
-}
-
-// Returns the ends of the pieces of p, as fractions of p: 0, the places where the inner integral over q is singular or
-// nearly so, and 1. See cutsOf in shaders/unoccluded/line.comp.
-std::array<double, kMostPieces + 1> cutsOf(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start,
-                                           const dvec3& q_along) {
-  const dvec3 from = q_start - p_start, across = cross(p_along, q_along);
-  const double per_p = 1 / dot(p_along, p_along), first = dot(from, p_along) * per_p,
-               last = first + dot(q_along, p_along) * per_p;
-  double nearest = 0;
-  if (const double sine = dot(across, across); sine > 0) {
-    const double foot = dot(cross(from, p_along), across) / sine;
-    nearest = foot > 0 && foot < 1 ? dot(cross(from, q_along), across) / sine : 0;
-  }
-  std::array<double, kMostPieces + 1> cuts{0, std::clamp(first, 0.0, 1.0), std::clamp(last, 0.0, 1.0),
-                                           std::clamp(nearest, 0.0, 1.0), 1};
-  std::sort(cuts.begin(), cuts.end());
-  return cuts;
-}
-
-// Returns x^n.
-double raised(double x, uint32_t n) {
-  double power = 1;
-  for (; n > 0; n /= 2, x *= x)
-    if (n % 2 == 1) power *= x;
-  return power;
-}
-
-// Returns whether two edges are parallel, but for rounding of their corners.
-bool areParallel(const dvec3& p, const dvec3& q) {
-  constexpr double kSine = 8 * kUnit;
-  const dvec3 across = cross(p, q);
-  return dot(across, across) <= kSine * kSine * dot(p, p) * dot(q, q);
-}
-
 // Returns whether every edge of one polygon is parallel or perpendicular to every edge of the other.
 bool haveClosedForms(const ShapeData& a, const ShapeData& b) {
   for (size_t k = 0; k < 4; ++k)
@@ -148,31 +98,6 @@ bool haveClosedForms(const ShapeData& a, const ShapeData& b) {
       if (dot(p, q) != 0 && !areParallel(p, q)) return false;
     }
   return true;
-}
-
-// Returns int_p int_q (1 + ln r) ds . dt of parallel edges in closed form: the second difference of K, K'' = 1 + ln r.
-//   K(x) = (x^2 - h^2) / 4 ln(x^2 + h^2) - x^2 / 4 + h x atan(x / h), h being the distance of the two lines
-// As in innerIntegral(), the 1 adds nothing along two closed contours.
-//   Out: error: raised by a bound on rounding, of corners too
-double integrateParallel(const dvec3& p_start, const dvec3& p_along, const dvec3& q_start, const dvec3& q_along,
-                         double& error) {
-  constexpr double kSteps = 8;  // roundings in a term, and in the numbers that it is made of
-  const double length = glm::length(p_along);
-  const dvec3 direction = p_along / length, from = q_start - p_start, across = cross(from, direction);
-  const double first = dot(from, direction), last = first + dot(q_along, direction);
-  const double square = dot(across, across), h = std::sqrt(square);
-  double sum = 0;
-  const auto add = [&](double x, double sign) {
-    const double radius = x * x + square, logarithm = 0.25 * std::log(std::max(radius, kLeast)),
-                 turn = h > 0 ? h * x * std::atan(x / h) : 0;
-    sum += sign * ((x * x - square) * logarithm - 0.25 * x * x + turn);
-    error += kSteps * kUnit * (radius * (std::abs(logarithm) + 1) + std::abs(turn));
-  };
-  add(last, 1);
-  add(first, -1);
-  add(last - length, -1);
-  add(first - length, 1);
-  return sum;
 }
 
 void addWork(const UnoccludedWork& part, UnoccludedWork& sum) {
@@ -201,28 +126,14 @@ struct HostUnoccluded::Sides {
   bool areTouching() const { return (plane_a ^ plane_b) == 1 && tie_rank_a + tie_rank_b < kLastTieRank; }
 };
 
-struct HostUnoccluded::Edge {
-  dvec3 start{0}, along{0};
-};
-
 HostUnoccluded::HostUnoccluded(const Scene& scene, size_t thread_count)
     : threads_(thread_count ? thread_count : threadCount()), shapes_(makeShapes(scene)) {
-  const auto pointsOf = [](const std::vector<GaussPoint>& rule) {
-    std::vector<Point> points;
-    for (const GaussPoint& point : rule)
-      points.push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
-    return points;
-  };
   for (uint32_t rule = 0; rule < kFarRules; ++rule) {
     const int n = static_cast<int>(kFewestFarPoints + rule);
     bounds_[rule] = farBound(n);
-    far_points_[rule] = pointsOf(gaussPoints(n));
+    for (const GaussPoint& point : gaussPoints(n))
+      far_points_[rule].push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
   }
-  for (size_t round = 0; round < kLineRounds.size(); ++round)
-    for (uint32_t rule = 0; rule < kLineRules; ++rule) {
-      const int n = static_cast<int>(kLineRounds[round].points[rule]);
-      line_points_[round][rule] = pointsOf(rule == kGradedRule ? gradedPoints(n) : unitPoints(n));
-    }
 }
 
 HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
@@ -359,44 +270,6 @@ std::optional<HostUnoccluded::Found> HostUnoccluded::integrateCut(const Sides& s
   return found;
 }
 
-// Returns int_p int_q ln r ds . dt, eq. (38). The outer integral, over the shorter edge, is by a Gauss rule.
-//   Out: error: raised by a bound on the error of the rule, and by rounding
-double HostUnoccluded::integrateLine(Edge p, Edge q, size_t round, double& error) const {
-  const double together = dot(p.along, q.along);
-  if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
-  // The inner integral is analytic up to this distance (`clear`) from the middle of p, in units of half the length of p
-  // (shaders/unoccluded/edges.comp).
-  const double square_p = dot(p.along, p.along), square_q = dot(q.along, q.along);
-  const dvec3 middle = p.start + 0.5 * p.along - q.start,
-              off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
-  const double clear = 2 * std::sqrt(dot(off, off) / square_p);
-  const uint32_t rule = clear > 12 ? 0 : clear > 3.5 ? 1 : clear > 1.5 ? 2 : kGradedRule;
-  if (rule == kGradedRule) {
-    error += kLineRounds[round].graded_error * std::abs(together);
-  } else {
-    const double axes = clear + std::sqrt(std::max(clear * clear - 1, 0.0));
-    error += 4 / raised(axes * axes, kLineRounds[round].points[rule]) * std::abs(together);
-  }
-
-  const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule
-                                                       ? cutsOf(p.start, p.along, q.start, q.along)
-                                                       : std::array<double, kMostPieces + 1>{0, 1, 1, 1, 1};
-  const double length_q = glm::length(q.along);
-  const dvec3 direction = q.along / length_q, from = p.start - q.start;
-  double sum = 0, greatest = 0;
-  for (size_t piece = 0; piece < kMostPieces; ++piece) {
-    const double low = cuts[piece], length = cuts[piece + 1] - low;
-    if (!(length > 0)) continue;
-    double part = 0;
-    for (const Point& point : line_points_[round][rule])
-      part += point.weight * innerIntegral(from + (low + point.at * length) * p.along, direction, length_q, greatest);
-    sum += length * part;
-  }
-  const double factor = dot(p.along, direction);
-  error += kUnit * std::abs(factor) * greatest;
-  return factor * sum;
-}
-
 // Returns the exchange area by integrals along the contours of the two parts in front of each other's planes:
 //   A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
 //   Out: error: a bound on the error, but for the rounding of corners; work: raised
@@ -406,33 +279,26 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lin
   // In this unit the logarithms of closed forms are small, so that little cancels.
   const double unit = lines == Lines::by_rules ? 1 : sides.distance + sides.a.radius + sides.b.radius;
   const auto frontEdges = [&](const ShapeData& shape, const Depths& depths, double rounding) {
-    std::array<Edge, kMostEdges> edges;
-    dvec3 leaves(0), enters(0);
-    for (size_t k = 0; k < 4; ++k) {
-      const dvec3 start = (shape.corners[k] - origin) / unit, end = (shape.corners[(k + 1) % 4] - origin) / unit;
-      const double depth = depths[k], to = depths[(k + 1) % 4];
-      const bool starts = depth >= -rounding, ends = to >= -rounding,
-                 crosses = (depth > rounding && !ends) || (!starts && to > rounding);
-      const dvec3 crossing = crosses ? start + (end - start) * (depth / (depth - to)) : starts ? start : end;
-      if (starts && !ends) leaves = crossing;
-      if (!starts && ends) enters = crossing;
-      const dvec3 first = starts ? start : crossing, last = ends ? end : crossing;
-      edges[k] = {first, starts || ends ? last - first : dvec3(0)};
+    constexpr Depths kWhole{1, 1, 1, 1};  // for touching sides, so that nothing is cut off
+    const FrontCorners front = frontCornersOf(shape, sides.areTouching() ? kWhole : depths, rounding);
+    std::array<Edge, std::tuple_size_v<decltype(front.corners)>> edges;
+    for (size_t k = 0; k < front.count; ++k) {
+      const dvec3 start = (front.corners[k].at - origin) / unit,
+                  end = (front.corners[(k + 1) % front.count].at - origin) / unit;
+      edges[k] = {start, end - start};
     }
-    edges[4] = {leaves, enters - leaves};
     return edges;
   };
-  constexpr Depths kWhole{1, 1, 1, 1};  // for touching sides, so that nothing is cut off
-  const auto edges_a = frontEdges(sides.a, sides.areTouching() ? kWhole : sides.depths_a, sides.rounding_a);
-  const auto edges_b = frontEdges(sides.b, sides.areTouching() ? kWhole : sides.depths_b, sides.rounding_b);
+  const auto edges_a = frontEdges(sides.a, sides.depths_a, sides.rounding_a);
+  const auto edges_b = frontEdges(sides.b, sides.depths_b, sides.rounding_b);
   double sum = 0;
   error = 0;
   for (const Edge& p : edges_a)
     for (const Edge& q : edges_b) {
       if (dot(p.along, q.along) == 0) continue;
       sum += lines == Lines::parallel_closed && areParallel(p.along, q.along)
-                 ? integrateParallel(p.start, p.along, q.start, q.along, error)
-                 : integrateLine(p, q, round, error);
+                 ? integrateParallel(p, q, error)
+                 : edge_rules_.integrate(p, q, round, error);
       ++work.line_integrals;
     }
   error = unit * unit * error / (2 * kPi);

@@ -4,8 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "unoccluded/gauss.h"
-#include "unoccluded/line_rules.h"
+#include "unoccluded/edge_integrals.h"
 #include "unoccluded/shapes.h"
 #include "unoccluded/unoccluded.h"
 
@@ -40,7 +39,6 @@ class HostUnoccluded {
 
  private:
   struct Sides;
-  struct Edge;
   struct Point {
     double at, weight;
   };
@@ -57,13 +55,12 @@ class HostUnoccluded {
   std::optional<Found> integrateCut(const Sides& sides) const;
   double integrateFar(const Sides& sides, uint32_t rule) const;
   double integrateNear(const Sides& sides, size_t round, Lines lines, double& error, UnoccludedWork& work) const;
-  double integrateLine(Edge p, Edge q, size_t round, double& error) const;
 
   size_t threads_;
   std::vector<unoccluded_data::ShapeData> shapes_;
   std::array<unoccluded_data::FarBound, unoccluded_data::kFarRules> bounds_;
   std::array<std::vector<Point>, unoccluded_data::kFarRules> far_points_;
-  std::array<std::array<std::vector<Point>, unoccluded_data::kLineRules>, kLineRounds.size()> line_points_;
+  EdgeRules edge_rules_;
   UnoccludedWork work_;
 };
 
