@@ -5,6 +5,8 @@
 
 #include "estimator/find_guesses.h"
 #include "memory.h"
+#include "sums/calibrate_counts.h"
+#include "sums/line_form_factors.h"
 
 namespace viewpeel {
 
@@ -17,6 +19,14 @@ FormFactors keepSeen(FormFactors all) {
 }
 
 namespace {
+
+// Makes counted pairs fit their rows, in a run by polygon in which they have no lines.
+FormFactors calibrated(FormFactors all, const RunSums& sums) {
+  const bool has_counted = sums.lines && sums.lines->leastFormFactor() > 0;
+  if (!has_counted || sums.lines->by() == By::surface || !all.ids().rows_sum_to_one) return all;
+  return calibrateCounts(std::move(all), sums.lines->pairs(), kMostOfCounted * sums.lines->leastFormFactor(),
+                         sums.by_id.measureRows(sums.measure_area));
+}
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all, FormFactors between_surfaces) {
   Estimate estimate{FormFactors({}, {}, {}), std::move(between_surfaces), sums.replicateCount(),
@@ -65,7 +75,7 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
   FormFactors between_surfaces = keepSeen(sums.betweenSurfaces());  // before the others, for it takes memory meanwhile
   if (sums.lines && sums.lines->pairs().size() > kLargeList) returnFreedMemory();
-  return makeEstimate(sums, relative_floor, sums.formFactors(row), std::move(between_surfaces));
+  return makeEstimate(sums, relative_floor, calibrated(sums.formFactors(row), sums), std::move(between_surfaces));
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {

@@ -18,6 +18,7 @@
 #include "pair_lines/find_pairs.h"
 #include "scenes/generate.h"
 #include "scenes/shared_engine.h"
+#include "sums/add_pairs.h"
 #include "sums/line_form_factors.h"
 
 namespace viewpeel {
@@ -184,6 +185,38 @@ TEST_F(MixedRoom, RowsAddUpByChance) {
   EXPECT_NEAR(mean, 0,
               0.01);  // counted pairs are cut off, which takes less than 0.6 % of them: docs/method.md, mixtures
   EXPECT_LT(mean_of_lines, 0.9);
+}
+
+// A row of a closed room adds up to 1. Its counted pairs make up V_c / V of what it lacks, to a tenth of its standard
+// error (calibrate_counts.h). No form factor errs by more than the goal then, either. Pairs with lines do not move.
+TEST_F(MixedRoom, CountedPairsFitTheirRows) {
+  const RunSums& sums = mixed_->sums;
+  const FormFactors before = sums.formFactors(), after = makeEstimate(sums, 0.01).form_factors;
+  const std::vector<Measured> counted = sums.by_id.measureRows(sums.measure_area);
+  double largest_before = 0, largest_after = 0;
+  for (uint32_t i = 0; i < ids_->count(); ++i) {
+    const Measured was = before.rowSums()[i], is = after.rowSums()[i];
+    const double left = 1 - std::pow(counted[i].standard_error / was.standard_error, 2);
+    EXPECT_LE(std::abs(is.value - 1), left * std::abs(was.value - 1) + 0.1 * was.standard_error + 1e-12) << i;
+    largest_before = std::max(largest_before, std::abs(was.value - 1));
+    largest_after = std::max(largest_after, std::abs(is.value - 1));
+  }
+  EXPECT_LT(largest_after, largest_before / 4);
+  EXPECT_LE(largestError(after), kGoal);
+  auto line = sums.lines->pairs().begin();
+  size_t moved = 0;
+  for (const FormFactors::Entry& entry : after.entries()) {
+    const double was = before.exchangeArea(entry.i, entry.j).value, is = entry.exchange_area.value;
+    while (line != sums.lines->pairs().end() && keyOf(*line) < keyOf(entry)) ++line;
+    const bool has_lines = line != sums.lines->pairs().end() && keyOf(*line) == keyOf(entry);
+    if (has_lines || entry.j >= kEnvironment) {
+      EXPECT_EQ(is, was) << entry.i << " " << entry.j;
+    } else {
+      EXPECT_LE(is, kGoal * ids_->smallerArea(entry.i, entry.j)) << entry.i << " " << entry.j;
+      moved += is != was;
+    }
+  }
+  EXPECT_GT(moved, after.entries().size() / 2);
 }
 
 // The room is closed, and a line grazes an edge in each replicate. The row's environment is its count, and within the

@@ -1,0 +1,27 @@
+// calibrateCounts() moves counted form factors so that they fit their rows: docs/method.md, mixtures.
+//
+// Along common directions most pairs of many polygons are met once or never, so that their form factors err by as much
+// as they are. Together they should make up what a row's other entries leave of 1, which is known far better than their
+// sum. Calibration multiplies each of them by a factor of its two rows (J.-C. Deville & C.-E. Särndal, Calibration
+// estimators in survey sampling, J. Am. Stat. Assoc. 87, 1992, 376-382; multiplicative method).
+#pragma once
+#include <vector>
+
+#include <viewpeel/form_factors.h>
+#include "sums/line_sums.h"
+
+namespace viewpeel {
+
+//   In: all: form factors between polygons, with environment and leak, whose rows add up to 1; with_lines: pairs whose
+//     entries stay, sorted; most: of a counted form factor, from the row with the smaller area; counted_rows: sums of
+//     counted entries by row, with standard errors that all.rowSums() include
+//   Out: Counted values x_ij become min(x_ij e^(y_i + y_j), most min(A_i, A_j)), with the same standard errors. Row i
+//     gains V_c / V of what it lacks, V being the variance of its sum, and V_c the part of its counts. Row sums keep
+//     the standard errors that they had before. The same bits for any number of threads.
+//   Error: a row gains this to within a tenth of its standard error, or as near to it as |y| up to 1 allows;
+//     tests/unit/line_mixture_test.cpp.
+//   Cost: at most 20 passes over the entries; memory 48 bytes a row, and a bit an entry.
+FormFactors calibrateCounts(FormFactors all, const std::vector<LinePair>& with_lines, double most,
+                            const std::vector<Measured>& counted_rows);
+
+}  // namespace viewpeel
