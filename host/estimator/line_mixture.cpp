@@ -15,12 +15,12 @@ constexpr double kDirectionsOfGoal = 4;
 // error that scanlines add to a row sum is then about as large as the goal: docs/method.md, mixtures.
 constexpr double kLinesOfSide = 3.4;
 constexpr double kMostResolution = 1024;
-// These costs are in processor seconds. To find a pair and its blockers took 0.4 us in rooms and offices, and 3 to 8 us
-// in cities.
-constexpr double kSecondsOfPair = 1e-6;
+// These costs are in processor seconds, of closed scenes. A pair with lines costs its search, its lines and its entry,
+// and a hidden pair its search.
+constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
 constexpr double kSecondsOfCount = 2e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;  // finding what is between more pairs takes minutes
-constexpr double kWorth = 3;              // lines for all pairs may cost this multiple of the mixture's time
+constexpr double kWorth = 1.25;           // lines for all pairs may cost this multiple of the mixture's time
 constexpr double kSoon = 0.5;             // all pairs get lines where they cost less than this
 
 }  // namespace
@@ -54,15 +54,18 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count) 
          countedPairs({.pairs_of_direction = count / 4}, mixture, replicates) <= kMostCountedPairs;
 }
 
+bool mayPayMixture(size_t face_count) { return double(pairCount(face_count)) * kSecondsOfPair > kSoon; }
+
 bool mayFindAll(const PairNumbers& pairs) {
   return pairs.found <= double(kMostPatchPairs) && pairs.facing <= kMostFacingPairs;
 }
 
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
   if (!mayFindAll(work.pairs)) return false;
-  const double of_pairs = work.pairs.facing * kSecondsOfPair,
-               of_directions = work.pairs_of_direction * kSecondsOfCount * mixture.directions * replicates;
-  return of_pairs <= std::max(kSoon, kWorth * of_directions);
+  const PairNumbers& pairs = work.pairs;
+  const double of_all = pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden,
+               of_mixture = pairs.large * kSecondsOfPair + countedPairs(work, mixture, replicates) * kSecondsOfCount;
+  return of_all <= std::max(kSoon, kWorth * of_mixture);
 }
 
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {

@@ -38,9 +38,12 @@ constexpr double kGrazedOfScene = 1e-5;
 // LineWork says how much work lines for all pairs would be, and how much common directions. It depends on the scene and
 // the seed, not on measured times, so that the same seed gives the same bits.
 struct LineWork {
-  PairNumbers pairs;              // estimates
+  PairNumbers pairs;              // estimates; large: of at least the mixture's least form factor
   double pairs_of_direction = 0;  // pairs of faces that one common direction counts
 };
+
+// Returns false for scenes of so few faces that lines for all pairs take less than half a second.
+bool mayPayMixture(size_t face_count);
 
 // Returns whether PairLines::find() can find all pairs within minutes, and keep them.
 bool mayFindAll(const PairNumbers& pairs);
@@ -49,8 +52,8 @@ bool mayFindAll(const PairNumbers& pairs);
 // Along a direction nearly every face sees another one on one side, so that at least a quarter as many pairs as faces
 // are counted.
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
-// Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time,
-// because form factors by lines are far more exact.
+// Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time, or
+// little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 // Returns how many pairs common directions count, each along each direction that meets it.
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);

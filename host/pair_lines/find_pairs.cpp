@@ -264,11 +264,11 @@ BlockerList PairFinder::listAll() const {
   return all;
 }
 
-size_t PairFinder::countFound(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
+std::vector<PatchPair> PairFinder::findAmong(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
   std::atomic<size_t> found_count = 0;
   Search search(*this, 0, found_count);
   search.findEach(pairs, listAll());
-  return search.found.pairs.size();
+  return std::move(search.found.pairs);
 }
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {

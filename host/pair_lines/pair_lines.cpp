@@ -109,7 +109,7 @@ void PairLines::forgetClearParts() {
   parts_.pairs = std::move(kept);
 }
 
-PairNumbers PairLines::estimatePairs() const {
+PairNumbers PairLines::estimatePairs(double least_form_factor) const {
   const std::vector<Patch>& patches = finder_.patches();
   const auto isInFront = [](const Patch& of, const Patch& other) {
     return std::ranges::any_of(other.corners, [&](const glm::dvec3& corner) {
@@ -128,7 +128,12 @@ PairNumbers PairLines::estimatePairs() const {
     if (is_pair && isInFront(a, b) && isInFront(b, a)) facing.emplace_back(p, q);
   }
   const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
-  return {each * double(facing.size()), each * double(finder_.countFound(facing))};
+  const std::vector<PatchPair> found = finder_.findAmong(facing);
+  const auto large = std::ranges::count_if(found, [&](const PatchPair& pair) {
+    return pair.exchange >= least_form_factor * std::min(patches[pair.a].area, patches[pair.b].area);
+  });
+  const auto blocked = std::ranges::count_if(found, [](const PatchPair& pair) { return pair.blocker_count > 0; });
+  return {each * double(facing.size()), each * double(found.size()), each * double(large), each * double(blocked)};
 }
 
 PairLinesFigures PairLines::figures() const {

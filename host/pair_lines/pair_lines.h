@@ -37,8 +37,10 @@ struct PairLinesFigures {
 
 // PairNumbers hold numbers of pairs of patches, of which at least one emits and the other receives.
 struct PairNumbers {
-  double facing = 0;  // with an unoccluded form factor above 0
-  double found = 0;   // the part of `facing` that PairLines::find() would find: not proved to be hidden
+  double facing = 0;   // with an unoccluded form factor above 0
+  double found = 0;    // the part of `facing` that PairLines::find() would find: not proved to be hidden
+  double large = 0;    // the part of `found` with an unoccluded form factor that is not small
+  double blocked = 0;  // the part of `found` that something may block
 };
 
 // A UniformTask asks for independent lines of one part of a pair.
@@ -77,8 +79,9 @@ class PairLines {
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
   // Estimates how many pairs there are, from a sample of 4,096 pairs.
-  //   Error: the standard errors are at most 0.8 % of all pairs of patches    Cost: as PairFinder::countFound.
-  PairNumbers estimatePairs() const;
+  //   In: least_form_factor: of large pairs, unoccluded, from the smaller patch
+  //   Error: the standard errors are at most 0.8 % of all pairs of patches    Cost: as PairFinder::findAmong.
+  PairNumbers estimatePairs(double least_form_factor) const;
   PairLinesFigures figures() const;
   // Returns what find() has done.
   const FindingWork& findingWork() const { return parts_.work; }

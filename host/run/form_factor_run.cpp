@@ -11,6 +11,7 @@
 #include "directions/replicates.h"
 #include "io/checkpoint.h"
 #include "result/leak_warnings.h"
+#include "run/rules.h"
 #include "run/run_state.h"
 #include "run/settings.h"
 
@@ -48,6 +49,12 @@ std::string FormFactorRun::resumeFrom(const std::filesystem::path& checkpoint) {
   Settings unplanned = found.settings;
   std::erase_if(unplanned, [](const auto& setting) { return mayBePlanned(setting.first); });
   requireSameSettings(settings(), unplanned, checkpoint);
+  const std::string option = optionAgainstPairLines(request());
+  const bool has_lines = findSetting(found.settings, "--pair-lines") == "on";
+  if (has_lines && !request().pair_lines.value_or(false) && !option.empty() && option != "--engine")
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: has pair lines, and {} asks for common directions; leave it out, or take another file",
+                            checkpoint.string(), option));
   const uint64_t first = request().first_replicate;
   if (found.sums.replicates != std::vector{ReplicateRange{first, first + found.sums.replicateCount()}})
     throw Error(ErrorCode::bad_usage,

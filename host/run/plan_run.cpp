@@ -123,12 +123,16 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     return "";
   }
   if (!setup.plansWhichPairs()) return "";
+  if (!setup.isLarge() && (may_leave || no_promise.empty())) return "";
   const uint32_t replicates = setup.estimate().replicates;
-  LineWork work{pair_lines->estimatePairs(), double(counts.size()) / kPilotDirections};
   const LineMixture mixture = setup.mixture();
-  if (paysLinesForAll(work, mixture, replicates)) return "";
+  LineWork work{pair_lines->estimatePairs(mixture.least_form_factor), double(counts.size()) / kPilotDirections};
+  const bool may_be_exact = !setup.isLarge() && work.pairs.blocked == 0;
+  if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
   if (!setup.request().question.isEverything())
     return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
+  if (may_leave && setup.estimate().tolerance.value_or(0) > kCoarseTolerance)
+    return fmt::format("lines leave the scene or end on backs, and the tolerance is above {}", kCoarseTolerance);
   std::string why =
       "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";
   if (!may_leave) {
@@ -137,7 +141,7 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   }
   line_mixture = {};
   makeLineEngine();
-  return mayFindAll(work.pairs) ? "" : why;
+  return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
 }
 
 // Takes the finest lattice at which the sums of counted pairs fit into memory.
@@ -222,7 +226,7 @@ void FormFactorRun::State::planPairLines() {
   if (const std::string why = makePairLines(); !why.empty()) return planWithoutPairLines(why);
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
   if (!resumed && isAllExact()) plan->directions = 0;
-  if (setup.plansWhichPairs() && no_promise.empty())
+  if (setup.isLarge() && setup.plansWhichPairs() && no_promise.empty())
     no_promise = fmt::format("there are more than {} polygons", kMostPairLineFaces);
   if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
 }

@@ -146,16 +146,19 @@ std::string Setup::reasonAgainstPairLines() const {
   if (const std::string option = optionAgainstPairLines(request_); !option.empty())
     return fmt::format("{} asks for common directions", option);
   if (!mayUsePairLines(request_)) return "the goal does not say how large an error may be";
-  if (estimate_.tolerance && *estimate_.tolerance > kPairLineTolerance)
-    return fmt::format("the tolerance is above {}", kPairLineTolerance);
-  if (scene_.faces.size() <= kMostPairLineFaces || leastFormFactor() > 0 || plansWhichPairs()) return "";
+  if (!isLarge() || leastFormFactor() > 0 || plansWhichPairs()) return "";
   return "the scene has too many polygons";
 }
 
+bool Setup::isLarge() const { return scene_.faces.size() > kMostPairLineFaces; }
+
 bool Setup::plansWhichPairs() const {
-  return scene_.faces.size() > kMostPairLineFaces && !guarantee() && (estimate_.tolerance || estimate_.relative) &&
-         !request_.promise.value_or(false) &&
-         (!request_.question.isEverything() || mayFit(mixture(), estimate_.replicates, face_ids_.count()));
+  if (guarantee() || request_.promise.value_or(false) || !(estimate_.tolerance || estimate_.relative)) return false;
+  const bool is_everything = request_.question.isEverything(), by_polygon = request_.by == By::polygon;
+  if (!isLarge())
+    return is_everything && by_polygon && !estimate_.relative && !request_.for_sums &&
+           !request_.pair_lines.value_or(false) && mayPayMixture(face_ids_.count());
+  return !is_everything || mayFit(mixture(), estimate_.replicates, face_ids_.count());
 }
 
 LineMixture Setup::mixture() const {
@@ -168,7 +171,7 @@ double Setup::leastFormFactor() const {
   const auto* goal = std::get_if<EpsilonDelta>(&estimated_goal_);
   // Sums over surfaces, and sums of rows, may consist of many pairs below the limit. So both need lines for all pairs.
   const bool needs_few = goal && request_.by == By::polygon && !goal->rows && !request_.pair_lines.value_or(false);
-  return needs_few && scene_.faces.size() > kMostPairLineFaces ? kLeastOfEpsilon * goal->epsilon : 0;
+  return needs_few && isLarge() ? kLeastOfEpsilon * goal->epsilon : 0;
 }
 
 // A software device draws lines only on request: the processor's threads are faster.

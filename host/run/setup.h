@@ -73,8 +73,10 @@ class Setup {
   // Takes over the plan of an earlier run from its settings.
   void adoptPlan(const Settings& stored);
 
-  // Returns whether the plan decides which pairs have lines, for there are many polygons: all pairs, the pairs that are
-  // not small against the goal (line_mixture.h), or none.
+  // Returns whether there are so many polygons that lines for all pairs may take minutes.
+  bool isLarge() const;
+  // Returns whether the plan decides which pairs have lines: all pairs, the pairs that are not small against the goal
+  // (line_mixture.h), or, in a large scene, none. In a small scene only an estimate leaves out lines.
   bool plansWhichPairs() const;
   LineMixture mixture() const;
   // Returns whether small polygons may have lattices of their own.

@@ -90,7 +90,7 @@ PriorSummary summarise(const FoundPrior& found) {
 
 std::string optionsOf(const PlanSummary& plan) {
   if (plan.line_guarantee) return "--promise on";
-  if (plan.pair_lines) return "--pair-lines on";
+  if (plan.pair_lines) return plan.pair_lines->least_form_factor > 0 ? "--promise off" : "--pair-lines on";
   return fmt::format("--directions {} --resolution {}{}{}{}", plan.directions, plan.lattices[0].resolution,
                      plan.lattices.size() > 1 ? fmt::format(" --finest {}", plan.finest) : "",
                      plan.sampling == Sampling::scanline ? " --sampling scanline" : "",

@@ -8,7 +8,7 @@ namespace viewpeel {
 
 // A counted form factor is cut to this multiple of the least form factor with lines. A count stands for its pair, and
 // for similar pairs that no line met. With a smaller multiple row sums would be too small.
-constexpr double kMostOfCounted = 10;
+constexpr double kMostOfCounted = 3;
 
 // A row of an open scene that lacks more than this number of standard errors surely sees the environment.
 constexpr double kBeyondDoubt = 3;

@@ -144,7 +144,7 @@ TEST_F(LongRun, PlansAndGuaranteesAreResumed) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
       {kOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
       {kOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},
-      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 ",
+      {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 --pair-lines off ",
        {"--directions", "--resolution", "--finest", "--unoccluded"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 --pair-lines off ", {"--range", "--block"}}};
   int k = 0;
@@ -183,8 +183,11 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
   ASSERT_EQ(run("compute " + file("scene.obj") + exact + file("b.h5") + " --first-replicate 12").status, 0);
   ASSERT_EQ(run("merge --quiet " + file("a.h5") + " " + file("b.h5") + " --checkpoint " + file("gap.h5")).status, 0);
   const std::string planned =
-      "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("planned.h5");
+      "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --pair-lines off --checkpoint " + file("planned.h5");
   ASSERT_EQ(run(planned).status, 0);
+  const std::string lines =
+      "compute " + file("scene.obj") + " --quiet --tolerance 0.1 --checkpoint " + file("lines.h5");
+  ASSERT_EQ(run(lines).status, 0);
   ASSERT_EQ(run("compute " + file("scene.obj") + " --quiet --directions 5 --checkpoint " + file("lattice.h5")).status,
             0);
   const std::string before = readFile(file("a.h5"));
@@ -208,6 +211,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
       {scene + "  --resume --first-replicate 3", "--first-replicate 3"},
       {"compute " + file("scene.obj") + exact + file("gap.h5") + " --resume", "0 to 7, 12 to 19"},
       {planned + " --resume --resolution 2000", "--resolution is '"},
+      {lines + " --resume --resolution 2000", "--resolution asks for common directions"},
       {"compute " + file("scene.obj") + exact + file("no.h5") + " --resume", "another file"},
       {"compute " + file("scene.obj") + " --resume", "--checkpoint"},
       {"merge " + file("a.h5") + " " + file("no.h5"), "another file"},
@@ -231,7 +235,7 @@ TEST_F(LongRun, WrongCheckpointsAreRefused) {
   }
   EXPECT_EQ(readFile(file("a.h5")), before);
   EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()),
-            8);  // two scenes, six checkpoints, and no leftovers
+            9);  // two scenes, seven checkpoints, and no leftovers
   // With the same options the run goes on.
   EXPECT_EQ(run(scene + " --resume --replicates 10").status, 0);
   EXPECT_EQ(replicatesOf("a.h5"), "0 to 9");

@@ -144,7 +144,7 @@ TEST_F(Parts, PartsOfAMixtureMergeToOneRun) {
     const Result r = run(options + file(part + ".h5") + " --replicates 2 --part " + part + "/3");
     ASSERT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find("may be blocked in part"), std::string::npos) << r.output;
-    EXPECT_NE(r.output.find("all other pairs have form factors below 0.002"), std::string::npos) << r.output;
+    EXPECT_NE(r.output.find("all other pairs have form factors below 0.0067"), std::string::npos) << r.output;
     inputs = fmt::format(" {}{}", file(part + ".h5"), inputs);
   }
   ASSERT_EQ(run("merge --quiet" + inputs + " -o " + file("merged.mtx") + " --checkpoint " + file("merged.h5")).status,

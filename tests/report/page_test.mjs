@@ -12,7 +12,7 @@ const HOSTILE = `</script><script>alert(1)</script><img/src=x/onerror=alert(2)>`
 let browser;
 
 before(async () => {
-  viewpeel('compute', scene('office.obj'), '--tolerance', '3e-2', '--quiet', '-o', folder.path('office.h5'), '-o', folder.path('office.csv'));
+  viewpeel('compute', scene('office.obj'), '--tolerance', '3e-2', '--promise', 'off', '--quiet', '-o', folder.path('office.h5'), '-o', folder.path('office.csv'));
   viewpeel('report', folder.path('office.h5'), '-o', polygons);
   viewpeel('solve', scene('office.obj'), '--materials', scene('office_materials.csv'), '--quiet', '-o', surfaces, '-o', folder.path('heat.csv'));
   // The floor of this room looks down, and names contain markup.

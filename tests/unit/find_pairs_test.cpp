@@ -261,14 +261,21 @@ TEST(PairFinder, SinglePairsAreCounted) {
     for (uint32_t p = 0; p < patch_count; ++p)
       for (uint32_t q = 0; q < p; ++q) all.emplace_back(p, q);
     const size_t found = finder.find(2).pairs.size();
-    const size_t each = finder.countFound(all);
+    const size_t each = finder.findAmong(all).size();
     EXPECT_GE(each, found);
     EXPECT_LT(double(each), 1.02 * double(found));
-    EXPECT_EQ(finder.countFound(std::span(all).first(all.size() / 2)) +
-                  finder.countFound(std::span(all).subspan(all.size() / 2)),
+    EXPECT_EQ(finder.findAmong(std::span(all).first(all.size() / 2)).size() +
+                  finder.findAmong(std::span(all).subspan(all.size() / 2)).size(),
               each);
-    const PairNumbers numbers = PairLines(scene, ids, false, 1).estimatePairs();
-    EXPECT_NEAR(numbers.found, double(found), 5 * patch_count / 16.0 * patch_count / 16.0);
+    constexpr double kLeast = 1e-3;
+    const PairNumbers numbers = PairLines(scene, ids, false, 1).estimatePairs(kLeast);
+    const double allowed = 5 * patch_count / 16.0 * patch_count / 16.0;
+    EXPECT_NEAR(numbers.found, double(found), allowed);
+    const PatchPairs large = finder.find(2, {}, kLeast);
+    EXPECT_NEAR(numbers.large, double(large.pairs.size()), allowed);
+    EXPECT_LT(numbers.large, numbers.found);
+    EXPECT_GT(numbers.blocked, 0);
+    EXPECT_LT(numbers.blocked, numbers.found);
     EXPECT_LT(numbers.found, numbers.facing);
     EXPECT_GT(numbers.facing, 1.2 * double(found));
   }
