@@ -32,11 +32,12 @@ std::vector<PlannedFile> filesOf(const ComputeOptions& options) {
   return planFiles(names);
 }
 
-// Turns a promise off, for checkpoints hold estimates only.
+// Turns a promise off, for checkpoints hold estimates only. All pairs get lines, so that the run can go on to a smaller
+// tolerance.
 void leaveOutPromise(Request& request) {
   if (request.promise.value_or(false))
     throw Error(ErrorCode::bad_usage, "--checkpoint keeps no promise; leave out one of --checkpoint and --promise on");
-  if (!std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;
+  if (!std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false, request.lines_for_all = true;
 }
 
 void requireAgreement(const ComputeOptions& options) {

@@ -96,6 +96,7 @@ Measurement measure(const ComputeOptions& options, const Scene& scene, Environme
   request.most_rays.reset();
   Request by_pairs = options.request;
   by_pairs.promise = false;  // the environment's standard errors are asked for, no intervals
+  by_pairs.lines_for_all = true;
   FormFactorRun run(scene, by_pairs, observer);
   const PlanSummary& plan = run.makePlan();
   if (!plan.pair_lines || plan.pair_lines->least_form_factor > 0) {

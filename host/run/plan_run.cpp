@@ -15,6 +15,7 @@
 #include "run/run_state.h"
 #include "run/settings.h"
 #include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -117,7 +118,14 @@ void FormFactorRun::State::makeLineEngine() {
 //   In: counts: along pilot directions    Out: the reason if neither is possible, else empty
 std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (resumed) {
-    const double least = resumed->sums.lines->leastFormFactor();
+    const double least = resumed->sums.lines->leastFormFactor(), most = least * kMostOfCounted;
+    constexpr double kRounding = 1e-9;
+    if (least > 0 && setup.mixture().least_form_factor < (1 - kRounding) * least)
+      throw Error(
+          ErrorCode::bad_usage,
+          fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
+                      "ask for that --tolerance or a larger one, or take another file",
+                      resumed_file.string(), least, most));
     line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0};
     makeLineEngine();
     return "";
@@ -131,7 +139,8 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
   if (!setup.request().question.isEverything())
     return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
-  if (may_leave && setup.estimate().tolerance.value_or(0) > kCoarseTolerance)
+  const bool insists = setup.request().pair_lines.value_or(false);
+  if (may_leave && !insists && setup.estimate().tolerance.value_or(0) > kCoarseTolerance)
     return fmt::format("lines leave the scene or end on backs, and the tolerance is above {}", kCoarseTolerance);
   std::string why =
       "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";

@@ -37,7 +37,7 @@ void measureParts(const Scene& scene, const MaterialTable& materials, const Requ
 SceneHeat solveOnce(const Scene& scene, const MaterialTable& materials, Enclosure& enclosure, const Request& request,
                     const Observer& observer) {
   Request estimated = request;
-  estimated.for_sums = true;
+  estimated.lines_for_all = true;
   // Estimates have standard errors, from which errors of answers follow. A guarantee on request gives bounds.
   if (!std::holds_alternative<EpsilonDelta>(request.goal)) estimated.promise = request.promise.value_or(false);
   Result result = computeFormFactors(scene, estimated, observer);

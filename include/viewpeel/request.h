@@ -108,9 +108,10 @@ struct Request {
   // T with probability 0.99, and has an interval. Unset: where the run costs at most twice an estimate, or half
   // a second of CPU time, and no option needs an estimate (PlanSummary::no_promise). request() has the goal then.
   std::optional<bool> promise;
-  // The form factors are to be added up, as heat flows are, so that small ones matter as much as large ones. Then an
-  // estimate of up to 8,000 polygons has lines for all pairs, not for the large ones alone (docs/method.md, mixtures).
-  bool for_sums = false;
+  // An estimate of up to 8,000 polygons has lines for all pairs, and does not leave small ones to common directions
+  // (docs/method.md, mixtures). Small form factors matter where they are added up, as heat flows are, or where a
+  // checkpoint is to go on to a smaller tolerance.
+  bool lines_for_all = false;
   uint64_t seed = 1;             // the same seed and plan give the same bits
   uint64_t first_replicate = 0;  // of a part of a run, whose checkpoints can be merged
 

@@ -107,7 +107,7 @@ Request requestOf(const py::dict& given) {
   request.unoccluded = arguments.find<bool>("unoccluded");
   request.pair_lines = arguments.find<bool>("pair_lines");
   request.promise = arguments.find<bool>("promise");
-  request.for_sums = arguments.find<bool>("for_sums").value_or(false);
+  request.lines_for_all = arguments.find<bool>("lines_for_all").value_or(false);
   // A given number of replicates asks for an estimate, as in the program, even where it is the default number.
   const bool is_estimate = arguments.find<uint32_t>("replicates") && !request.promise;
   if (is_estimate && !std::holds_alternative<EpsilonDelta>(request.goal)) request.promise = false;

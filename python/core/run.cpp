@@ -97,7 +97,7 @@ py::tuple compute(const HeldScene& held, const py::dict& arguments, const std::s
   if (!checkpoint.empty() && !std::holds_alternative<EpsilonDelta>(request.goal)) {
     if (request.promise.value_or(false))
       throw Error(ErrorCode::bad_usage, "a checkpoint keeps no promise; leave out one of checkpoint and promise");
-    request.promise = false;
+    request.promise = false, request.lines_for_all = true;
   }
   std::shared_ptr<HeldResult> result;
   const auto stop =

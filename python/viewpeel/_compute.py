@@ -50,7 +50,7 @@ def compute(
     unoccluded: Optional[bool] = None,
     pair_lines: Optional[bool] = None,
     promise: Optional[bool] = None,
-    for_sums: bool = False,
+    lines_for_all: bool = False,
     checkpoint: Union[str, "os.PathLike[str]", None] = None,
     resume: bool = False,
     progress: Union[bool, Callable[[Progress], None]] = False,
@@ -81,8 +81,8 @@ def compute(
         engine, device, threads, sampling, sampler, unoccluded, pair_lines: as the program's options
         promise: whether the tolerance is a guarantee, with an interval for each form factor (`bounds`). By default it
             is where a guarantee costs at most twice an estimate, or half a second of CPU time; never with a checkpoint
-        for_sums: whether the form factors are to be added up, as solve() does, so that small ones matter, too; then an
-            estimate of up to 8,000 polygons has lines for all pairs (--pair-lines)
+        lines_for_all: whether an estimate of up to 8,000 polygons has lines for all pairs, small ones too, which matter
+            where form factors are added up, as solve() does; always with a checkpoint
         checkpoint, resume: a file for the counts, written at the end, on Ctrl-C and every half minute; whether to
             continue from it
         progress: True for tqdm's bar, or a function that is called some 20 times a second with a dict: phase
@@ -102,7 +102,7 @@ def compute(
         directions=directions, replicates=replicates, resolution=resolution, floor=floor, by=by,
         rows_of=_names(rows_of), pair=_names(pair), blockers=_names(blockers), two_sided=two_sided, balance=balance,
         seed=seed, engine=engine, device=device, threads=threads, sampling=sampling, sampler=sampler,
-        unoccluded=unoccluded, pair_lines=pair_lines, promise=promise, for_sums=for_sums,
+        unoccluded=unoccluded, pair_lines=pair_lines, promise=promise, lines_for_all=lines_for_all,
     )  # fmt: skip
     file = None if checkpoint is None else os.fspath(checkpoint)
     _check_checkpoint(file, resume)

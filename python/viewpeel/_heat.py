@@ -175,7 +175,7 @@ def _solve_scene(scene: Any, table: _core.Materials, matrix_free: Optional[bool]
         options.setdefault("pair_lines", True)  # pair lines give an interval for each pair
     else:
         options.setdefault("promise", False)  # estimates have standard errors, which the answers' errors follow from
-    options.setdefault("for_sums", True)
+    options.setdefault("lines_for_all", True)
     return Heat(_core.solve(compute(made, **options)._held, table), by_surface)
 
 

@@ -298,6 +298,12 @@ TEST(MixtureRuns, GoOnFromACheckpoint) {
   FormFactorRun second(scene, requestOf(kGoal));
   second.resumeFrom(file);
   while (!second.isDone()) second.step();
+  // Pairs without lines may err by the checkpoint's goal, so it does not serve a smaller one.
+  FormFactorRun finer(scene, requestOf(0.9 * kGoal)), coarser(scene, requestOf(2 * kGoal));
+  finer.resumeFrom(file);
+  coarser.resumeFrom(file);
+  EXPECT_THROW(finer.makePlan(), Error);
+  EXPECT_NO_THROW(coarser.makePlan());
   std::filesystem::remove(file);
   const FormFactors resumed = second.result().form_factors;
   const std::vector<FormFactors::Entry>& a = resumed.entries();
@@ -369,9 +375,9 @@ TEST(MixtureRuns, EstimatesOfSmallRoomsAreMixtures) {
   const PlanSummary exact = planOf(cube, request);
   EXPECT_EQ(exact.pair_lines->least_form_factor, 0);
   EXPECT_EQ(exact.directions, 0u);
-  request.for_sums = true;
+  request.lines_for_all = true;
   EXPECT_EQ(planOf(room, request).pair_lines->least_form_factor, 0);
-  request.for_sums = false;
+  request.lines_for_all = false;
   request.pair_lines = true;
   const PlanSummary lines = planOf(room, request);
   EXPECT_EQ(lines.pair_lines->least_form_factor, 0);
@@ -397,7 +403,8 @@ TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
   EXPECT_EQ(run.plan().no_pair_lines, run.plan().no_promise);
 }
 
-// For a rough goal common directions are quicker there, and pair lines would be much finer than it.
+// For a rough goal common directions are quicker there, and pair lines would be much finer than it. A request for pair
+// lines gets them.
 TEST(MixtureRuns, RoughGoalsOfLargeOpenScenesTakeDirections) {
   const Scene scene = buildScene(bench::city(8'600));
   FormFactorRun run(scene, requestOf(0.05));
@@ -405,6 +412,11 @@ TEST(MixtureRuns, RoughGoalsOfLargeOpenScenesTakeDirections) {
   EXPECT_FALSE(run.plan().pair_lines);
   EXPECT_NE(run.plan().no_pair_lines.find("the tolerance is above 0.02"), std::string::npos)
       << run.plan().no_pair_lines;
+  Request request = requestOf(0.05);
+  request.pair_lines = true;
+  FormFactorRun with_lines(scene, request);
+  with_lines.makePlan();
+  EXPECT_TRUE(with_lines.plan().pair_lines);
 }
 
 }  // namespace
