@@ -18,10 +18,10 @@ constexpr double kMostResolution = 1024;
 // These costs are in processor seconds, of closed scenes. A pair with lines costs its search, its lines and its entry,
 // and a hidden pair its search.
 constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
-constexpr double kSecondsOfCount = 2e-7;  // of a pair that a common direction counts
-constexpr double kMostFacingPairs = 1e8;  // finding what is between more pairs takes minutes
-constexpr double kWorth = 1.25;           // lines for all pairs may cost this multiple of the mixture's time
-constexpr double kSoon = 0.5;             // all pairs get lines where they cost less than this
+constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
+constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
+constexpr double kWorth = 1.25;             // lines for all pairs may cost this multiple of the mixture's time
+constexpr double kSoon = 0.5;               // all pairs get lines where they cost less than this
 
 }  // namespace
 
