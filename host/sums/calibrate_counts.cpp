@@ -5,7 +5,7 @@
 
 #include "sums/add_pairs.h"
 #include "sums/calibrate_rows.h"
-#include "threads.h"
+#include "sums/row_calibration.h"
 
 namespace viewpeel {
 namespace {
@@ -15,12 +15,6 @@ using Rows = std::vector<double>;
 constexpr int kMostPasses = 20;
 constexpr double kTolerance = 0.1;  // of the standard error of a row sum
 constexpr double kMostTilt = 1;     // greatest |y|
-constexpr size_t kLeastOfPart = size_t(1) << 16, kMostParts = 32;
-
-// A Pass holds what one pass over the entries finds for each row.
-struct Pass {
-  Rows gain, slope;  // by how much the row sum grows, input units squared, and its derivative by y_i
-};
 
 class Calibration {
  public:
@@ -41,20 +35,10 @@ class Calibration {
     }
   }
 
-  // Finds y by Newton's method, in all rows at once. Each row takes half a step, because both rows of a pair move it.
+  // Finds y by Newton's method, in all rows at once.
   void solve() {
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      const Pass found = evaluate();
-      bool is_done = true;
-      for (size_t i = 0; i < y_.size(); ++i) {
-        const double rest = goal_[i] - found.gain[i];
-        if (std::abs(rest) <= tolerance_[i] || !(found.slope[i] > 0)) continue;
-        const double y = std::clamp(y_[i] + rest / (2 * found.slope[i]), -kMostTilt, kMostTilt);
-        is_done &= y == y_[i];
-        y_[i] = y;
-      }
-      if (is_done) return;
-    }
+    for (int pass = 0; pass < kMostPasses; ++pass)
+      if (!stepRows(evaluate(), goal_, tolerance_, INFINITY, kMostTilt, y_)) return;
   }
 
   Rows factors() const {
@@ -70,32 +54,19 @@ class Calibration {
   }
 
  private:
-  // The entries are divided into parts, whose number does not depend on the number of threads. Their sums are added in
-  // one order, so the result has the same bits for any number of threads.
-  Pass evaluate() const {
-    const size_t rows = y_.size(), parts = std::clamp<size_t>(entries_.size() / kLeastOfPart, 1, kMostParts);
+  // Finds gains and slopes for the present y.
+  RowPass evaluate() const {
     const Rows of_row = factors();
-    std::vector<Pass> found(parts);
-    shareOut(threadsFor(entries_.size()), parts, 1, [&](size_t, size_t part) {
-      Pass& sums = found[part];
-      sums = {Rows(rows), Rows(rows)};
-      for (size_t k = entries_.size() * part / parts, end = entries_.size() * (part + 1) / parts; k < end; ++k) {
-        if (!is_counted_[k]) continue;
-        const FormFactors::Entry& entry = entries_[k];
-        const double before = entry.exchange_area.value, after = valueOf(entry, of_row);
-        const bool is_free = after < most_ * ids_.smallerArea(entry.i, entry.j);
-        for (const uint32_t id : {entry.i, entry.j}) {
-          sums.gain[id] += after - before;
-          if (is_free) sums.slope[id] += after;
-        }
+    return sumPass(entries_.size(), y_.size(), [&](size_t k, RowPass& sums) {
+      if (!is_counted_[k]) return;
+      const FormFactors::Entry& entry = entries_[k];
+      const double before = entry.exchange_area.value, after = valueOf(entry, of_row);
+      const bool is_free = after < most_ * ids_.smallerArea(entry.i, entry.j);
+      for (const uint32_t id : {entry.i, entry.j}) {
+        sums.gain[id] += after - before;
+        if (is_free) sums.slope[id] += after;
       }
     });
-    for (size_t part = 1; part < parts; ++part)
-      for (size_t i = 0; i < rows; ++i) {
-        found[0].gain[i] += found[part].gain[i];
-        found[0].slope[i] += found[part].slope[i];
-      }
-    return std::move(found[0]);
   }
 
   const std::vector<FormFactors::Entry>& entries_;

@@ -1,8 +1,8 @@
 // calibrateCounts() moves counted form factors so that they fit their rows: docs/method.md, mixtures.
 //
-// Along common directions most pairs of many polygons are met once or never, so that their form factors err by as much
-// as they are. Together they should make up what a row's other entries leave of 1, which is known far better than their
-// sum. Calibration multiplies each of them by a factor of its two rows (J.-C. Deville & C.-E. Särndal, Calibration
+// Along common directions most pairs of many polygons are met once or never, so that the error of such a form factor is
+// as large as the form factor. A row adds up to 1, so its counted form factors should add up to what its other entries
+// leave, which is known far better than their own sum. Calibration multiplies each of them by a factor of its two rows (J.-C. Deville & C.-E. Särndal, Calibration
 // estimators in survey sampling, J. Am. Stat. Assoc. 87, 1992, 376-382; multiplicative method).
 #pragma once
 #include <vector>

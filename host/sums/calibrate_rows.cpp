@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "threads.h"
+#include "sums/row_calibration.h"
 
 namespace viewpeel {
 namespace {
@@ -28,11 +28,6 @@ void addToRows(Rows& rows, const Entry& entry, double value) {
 double tilt(double visibility, double odds_factor) {
   return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
 }
-
-// A Pass holds what one pass over the guesses finds for each row.
-struct Pass {
-  Rows gain, slope;  // sum of w_ij X_ij (t - s_ij) over a row's guesses, and its derivative by y_i
-};
 
 class Calibration {
  public:
@@ -60,19 +55,11 @@ class Calibration {
     }
   }
 
-  // Finds y by Newton's method, in all rows at once. Each row takes half a step, because both rows of a guess move it.
+  // Finds y by Newton's method, in all rows at once.
   void solve() {
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      const Pass found = evaluate();
-      bool is_done = true;
-      for (size_t i = 0; i < y_.size(); ++i) {
-        const double rest = goal_[i] - found.gain[i];
-        if (std::abs(rest) <= tolerance_[i] || !(found.slope[i] > 0)) continue;
-        is_done = false;
-        y_[i] = std::clamp(y_[i] + std::clamp(rest / (2 * found.slope[i]), -1.0, 1.0), -kMostTilt, kMostTilt);
-      }
-      if (is_done) return;
-    }
+    constexpr double kMostStep = 1;
+    for (int pass = 0; pass < kMostPasses; ++pass)
+      if (!stepRows(evaluate(), goal_, tolerance_, kMostStep, kMostTilt, y_)) return;
   }
 
   double gainOf(const Guess& guess) const {
@@ -82,32 +69,18 @@ class Calibration {
   }
 
  private:
-  // Finds gains and slopes for the present y. Guesses are divided into parts, whose number does not depend on the
-  // number of threads. Their sums are added in one order, so the result has the same bits for any number of threads.
-  Pass evaluate() const {
-    constexpr size_t kLeast = size_t(1) << 16, kMostParts = 32;
-    const size_t n = y_.size(), parts = std::clamp<size_t>(guesses_.size() / kLeast, 1, kMostParts);
-    Rows odds(n);
-    for (size_t i = 0; i < n; ++i) odds[i] = std::exp(y_[i]);
-    std::vector<Pass> found(parts);
-    shareOut(threadsFor(guesses_.size()), parts, 1, [&](size_t, size_t part) {
-      Pass& sums = found[part];
-      sums = {Rows(n), Rows(n)};
-      for (size_t k = guesses_.size() * part / parts, end = guesses_.size() * (part + 1) / parts; k < end; ++k) {
-        const Guess& guess = guesses_[k];
-        const Entry& entry = entries_[guess.entry];
-        const double weight = double(guess.weight) * guess.most,
-                     visibility = tilt(guess.visibility, odds[entry.i] * odds[entry.j]);
-        addToRows(sums.gain, entry, weight * (visibility - guess.visibility));
-        addToRows(sums.slope, entry, weight * visibility * (1 - visibility));
-      }
+  // Finds gains and slopes for the present y.
+  RowPass evaluate() const {
+    Rows odds(y_.size());
+    for (size_t i = 0; i < y_.size(); ++i) odds[i] = std::exp(y_[i]);
+    return sumPass(guesses_.size(), y_.size(), [&](size_t k, RowPass& sums) {
+      const Guess& guess = guesses_[k];
+      const Entry& entry = entries_[guess.entry];
+      const double weight = double(guess.weight) * guess.most,
+                   visibility = tilt(guess.visibility, odds[entry.i] * odds[entry.j]);
+      addToRows(sums.gain, entry, weight * (visibility - guess.visibility));
+      addToRows(sums.slope, entry, weight * visibility * (1 - visibility));
     });
-    for (size_t part = 1; part < parts; ++part)
-      for (size_t i = 0; i < n; ++i) {
-        found[0].gain[i] += found[part].gain[i];
-        found[0].slope[i] += found[part].slope[i];
-      }
-    return std::move(found[0]);
   }
 
   const std::vector<Entry>& entries_;

@@ -85,7 +85,7 @@ class GrazingEngine : public SharedEngine {
   uint32_t id_;
 };
 
-// The room has 2,496 quads. These tests make the mixture themselves, as no run of viewpeel makes all of them.
+// The room has 2,496 quads. These tests make mixtures themselves, with goals, lattices and engines of their own.
 class MixedRoom : public testing::Test {
  protected:
   struct Run {
@@ -187,7 +187,7 @@ TEST_F(MixedRoom, RowsAddUpByChance) {
   EXPECT_LE(beyond, 0.005 * count);
   EXPECT_GT(worst, 1e-4);
   EXPECT_NEAR(mean, 0,
-              0.01);  // counted pairs are cut off, which takes less than 0.6 % of them: docs/method.md, mixtures
+              0.01);  // cutting takes 5 % off the largest counted pairs, less off others: docs/method.md, mixtures
   EXPECT_LT(mean_of_lines, 0.9);
 }
 
