@@ -2,8 +2,9 @@
 //
 // Along common directions most pairs of many polygons are met once or never, so that the error of such a form factor is
 // as large as the form factor. A row adds up to 1, so its counted form factors should add up to what its other entries
-// leave, which is known far better than their own sum. Calibration multiplies each of them by a factor of its two rows (J.-C. Deville & C.-E. Särndal, Calibration
-// estimators in survey sampling, J. Am. Stat. Assoc. 87, 1992, 376-382; multiplicative method).
+// leave, which is known far better than their own sum. Calibration multiplies each of them by a factor of its two rows
+// (J.-C. Deville & C.-E. Särndal, Calibration estimators in survey sampling, J. Am. Stat. Assoc. 87, 1992, 376-382;
+// multiplicative method).
 #pragma once
 #include <vector>
 
