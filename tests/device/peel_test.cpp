@@ -241,7 +241,9 @@ TEST(Peel, LargePolygonsOnFineLattices) {
     EXPECT_LT(c.j, kEnvironment) << c.i << ": " << c.count;
 }
 
-// One invocation cannot go through thousands of layers over a tile, so that further dispatches take the rest.
+constexpr uint32_t kFewBlocks = 1000;  // of polygons that an invocation goes through, as on software devices
+
+// One invocation does not go through thousands of layers over a tile, so that further dispatches take the rest.
 TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   std::vector<double> heights;
   for (int k = 0; k < 3000; ++k) heights.push_back(1e-3 * k);
@@ -252,11 +254,11 @@ TEST(Peel, ThousandsOfLayersTakeMoreDispatches) {
   EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4})->count(up), expected);
   Work work;
   for (uint32_t few_points : {0u, 64u}) {  // with lists, and with fragments of lattice points
-    EXPECT_EQ(countWith(scene, ids, up, {.resolution = 4, .few_points = few_points}, &work), expected);
+    LatticeOptions options{.resolution = 4, .few_points = few_points, .most_blocks = kFewBlocks};
+    EXPECT_EQ(countWith(scene, ids, up, options, &work), expected);
     EXPECT_GT(work.resumed, 0u) << few_points;
-    EXPECT_EQ(
-        countWith(scene, ids, up, {.resolution = 4, .layers_kept = 8, .few_points = few_points, .sort = true}, &work),
-        expected);
+    options.layers_kept = 8, options.sort = true;
+    EXPECT_EQ(countWith(scene, ids, up, options, &work), expected);
   }
 }
 
@@ -274,7 +276,8 @@ TEST(Peel, HundredsOfLayersMeet) {
     EXPECT_EQ(makeGraphicsEngine(testDevice(), scene, ids, {.resolution = 4, .count_blocked = true})->count(up),
               expected);
     EXPECT_EQ(makeHostEngine(scene, ids, {.resolution = 4, .count_blocked = true})->count(up), expected);
-    const LatticeOptions scanlines{.resolution = 4, .sampling = Sampling::scanline, .count_blocked = true};
+    const LatticeOptions scanlines{
+        .resolution = 4, .sampling = Sampling::scanline, .count_blocked = true, .most_blocks = kFewBlocks};
     const PairCounts intervals = countIntervalsOnCpu(scene, ids, up, 4, true);
     Work work;
     EXPECT_EQ(countWith(scene, ids, up, scanlines, &work), intervals);
