@@ -2,17 +2,20 @@
 
 #include <algorithm>
 #include <bit>
+#include <ranges>
 
 #include <fmt/format.h>
 
 #include "engines/shared.h"
 #include <viewpeel/error.h>
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
 
 constexpr uint32_t kFirstCapacity = 1u << 20, kMostCapacity = 1u << 31;
 constexpr uint64_t kReadBytes = 32u << 20;  // bytes of counters that are read from the device at a time
+constexpr uint64_t kPart = 1 << 15;         // counters that a thread looks through at a time
 constexpr uint64_t kMostBlocks = 1024;
 
 }  // namespace
@@ -110,41 +113,75 @@ void PairCounters::clear(Commands& commands) {
   pairs_ = 0;
 }
 
+// Reads the counters in pieces, whose parts threads look through together.
 std::vector<PairCounts> PairCounters::read(Commands& commands) {
-  std::vector<PairCounts> blocks(blocks_);
-  const std::span<uint64_t> words = read_back_.mapped<uint64_t>();
-  const uint64_t words_each = wordsEach(), bytes_each = words_each * sizeof(uint64_t),
-                 at_once = kReadBytes / bytes_each;
-  uint32_t i = 0, column = 0, block = 0;  // the next dense counter's row, column and block of directions
-  const uint64_t all = blocks_ * counter_count_;
+  const uint64_t bytes_each = wordsEach() * sizeof(uint64_t), at_once = kReadBytes / bytes_each,
+                 all = blocks_ * counter_count_;
+  std::vector<PairCounts> blocks(blocks_), in_no_order;
   for (uint64_t first = 0; first < all; first += at_once) {
     const uint64_t count = std::min(at_once, all - first);
     commands.begin();
     commands.copy(counters_, read_back_, count * bytes_each, first * bytes_each, 0);
     commands.submitAndWait();
-    for (uint64_t k = 0; k < count; ++k) {
-      const uint64_t* record = &words[k * words_each];
-      const uint64_t* numbers = isSparse() ? record + 1 : record;
-      const uint64_t in_all = counts_blocked_ ? numbers[1] : 0;
-      if (isSparse()) {
-        const uint64_t pair = ~record[0];
-        if (record[0])
-          blocks[0].push_back({static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), numbers[0], in_all});
-        continue;
+    std::vector<std::vector<PairCounts>> parts((count + kPart - 1) / kPart);
+    shareOut(threadsFor(count), parts.size(), 1, [&](size_t, size_t part) {
+      const uint64_t begin = part * kPart, end = std::min(count, begin + kPart);
+      if (isSparse()) parts[part] = {readPlaces(begin, end)};
+      else parts[part] = readDense(first, begin, end);
+    });
+    for (size_t part = 0; part < parts.size(); ++part)
+      for (size_t k = 0; k < parts[part].size(); ++k) {
+        if (isSparse()) {
+          in_no_order.push_back(std::move(parts[part][k]));
+        } else {
+          PairCounts& block = blocks[(first + part * kPart) / counter_count_ + k];
+          block.insert(block.end(), parts[part][k].begin(), parts[part][k].end());
+        }
       }
-      if (numbers[0] || in_all)
-        blocks[block].push_back({i,
-                                 column == id_count_  ? kEnvironment
-                                 : column > id_count_ ? kLeak
-                                                      : column,
-                                 numbers[0], in_all});
-      if (++column < id_count_ + 2) continue;
-      column = ++i;
-      if (i == id_count_) i = column = 0, ++block;
+  }
+  if (isSparse()) blocks[0] = sortAndJoin(in_no_order, id_count_);
+  return blocks;
+}
+
+// Returns the counts of the places begin to end - 1 of a piece of the hash table.
+PairCounts PairCounters::readPlaces(uint64_t begin, uint64_t end) const {
+  const std::span<const uint64_t> words = read_back_.mapped<uint64_t>();
+  PairCounts counts;
+  for (uint64_t k = begin; k < end; ++k) {
+    const uint64_t* record = &words[k * wordsEach()];
+    if (!record[0]) continue;
+    const uint64_t pair = ~record[0];
+    counts.push_back(
+        {static_cast<uint32_t>(pair >> 32), static_cast<uint32_t>(pair), record[1], counts_blocked_ ? record[2] : 0});
+  }
+  return counts;
+}
+
+// Returns the counts of the dense counters begin to end - 1 of a piece, a list for each block that they are of.
+//   In: first: index of the piece's first counter
+std::vector<PairCounts> PairCounters::readDense(uint64_t first, uint64_t begin, uint64_t end) const {
+  const std::span<const uint64_t> words = read_back_.mapped<uint64_t>();
+  const auto rowStart = [&](uint32_t row) { return device_data::counterIndex(row, row, id_count_); };
+  const uint64_t in_block = (first + begin) % counter_count_;
+  const auto rows = std::views::iota(0u, id_count_);
+  const auto beyond =
+      std::ranges::partition_point(rows, [&](uint32_t row) { return rowStart(row) <= in_block; }) - rows.begin();
+  auto i = static_cast<uint32_t>(beyond - 1);
+  auto column = static_cast<uint32_t>(i + (in_block - rowStart(i)));
+  std::vector<PairCounts> blocks(1);
+  for (uint64_t k = begin; k < end; ++k) {
+    const uint64_t* numbers = &words[k * wordsEach()];
+    const uint64_t in_all = counts_blocked_ ? numbers[1] : 0;
+    if (numbers[0] || in_all)
+      blocks.back().push_back(
+          {i, column < id_count_ ? column : kEnvironment + (column - id_count_), numbers[0], in_all});
+    if (++column < id_count_ + 2) continue;
+    column = ++i;
+    if (i == id_count_ && k + 1 < end) {
+      i = column = 0;
+      blocks.emplace_back();
     }
   }
-  if (!isSparse()) return blocks;
-  blocks[0] = sortAndJoin(blocks[0], id_count_);
   return blocks;
 }
 

@@ -56,6 +56,8 @@ class PairCounters {
   uint64_t wordsEach() const { return (isSparse() ? 2 : 1) + (counts_blocked_ ? 1 : 0); }
   void clear(Commands& commands);
   std::vector<PairCounts> read(Commands& commands);
+  PairCounts readPlaces(uint64_t begin, uint64_t end) const;
+  std::vector<PairCounts> readDense(uint64_t first, uint64_t begin, uint64_t end) const;
   void takeBlocked(PairCounts& counts) const;
 
   const Device& device_;

@@ -3,12 +3,16 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 
 #include <viewpeel/error.h>
 #include "memory.h"
 #include "sums/add_pairs.h"
 #include "sums/line_form_factors.h"
+#include "sums/mixture_entries.h"
+#include "sums/pair_blocks.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -39,12 +43,22 @@ void leaveOutPairsWithLines(PairCounts& counts, const LineSums& lines) {
     std::erase_if(counts, [](const PairCount& count) { return count.j < kEnvironment; });
     return;
   }
-  auto at = lines.pairs().begin();
-  const auto end = lines.pairs().end();
-  std::erase_if(counts, [&](const PairCount& count) {
-    while (at != end && keyOf(*at) < keyOf(count)) ++at;
-    return at != end && keyOf(*at) == keyOf(count);
+  const RowRanges ranges(lines.ids().count());
+  std::vector<std::span<PairCount>> left(ranges.count());
+  shareOut(threadsFor(counts.size()), left.size(), 1, [&](size_t, size_t k) {
+    const std::span<const LinePair> pairs = ranges.of(lines.pairs(), k);
+    const std::span<const PairCount> of_range = ranges.of(counts, k);
+    const auto first = counts.begin() + (of_range.data() - counts.data());
+    auto at = pairs.begin();
+    const auto end = std::remove_if(first, first + std::ssize(of_range), [&](const PairCount& count) {
+      while (at != pairs.end() && keyOf(*at) < keyOf(count)) ++at;
+      return at != pairs.end() && keyOf(*at) == keyOf(count);
+    });
+    left[k] = {first, end};
   });
+  auto end = counts.begin();
+  for (const std::span<PairCount> of_range : left) end = std::ranges::move(of_range, end).out;
+  counts.erase(end, counts.end());
 }
 
 }  // namespace
@@ -94,9 +108,10 @@ std::vector<double> LineRun::findRowExcess(const FormFactors& all) const {
 
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
+  if (hasCountedPairs() && options_.by == By::polygon) return measureErrorsOfMixture();
   std::optional<FormFactors> all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(*all);
-  if (hasCountedPairs()) planFurther(findWantingOfMixture(*all), {});
+  if (hasCountedPairs()) planFurther(findWantingBetweenSurfaces(*all), {});
   else planFurther(findWanting(*all), findRowExcess(*all));
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();
@@ -114,36 +129,63 @@ LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
   return wanting;
 }
 
-// Returns the entries whose lines are too few, as findWanting(), where common directions have counted some pairs.
-// Further lines reduce only the part of an entry's error that is due to lines.
-//   Out: needs_directions_: whether the part due to common directions is too large for an entry
-LineRun::Wanting LineRun::findWantingOfMixture(const FormFactors& all) {
-  const Ids& ids = all.ids();
-  // Between faces, lines have an entry for each pair in order, for common directions count the leak. Large scenes have
-  // no memory for a second list of them.
-  const LineSums& of_pairs = *sums_.lines;
-  const bool by_polygon = options_.by == By::polygon && !of_pairs.hasBacks();
-  const std::vector<FormFactors::Entry> merged =
-      by_polygon ? std::vector<FormFactors::Entry>{} : of_pairs.entriesOfResult();
-  const size_t count = by_polygon ? of_pairs.pairs().size() : merged.size();
-  const auto keyAt = [&](size_t k) { return by_polygon ? keyOf(of_pairs.pairs()[k]) : keyOf(merged[k]); };
-  const auto errorAt = [&](size_t k) {
-    return (by_polygon ? of_pairs.exchangeArea(k) : merged[k].exchange_area).standard_error;
+// As measureErrors(), of a mixture between polygons. An entry's error is due to lines or to counts alone. Counted pairs
+// of polygons are within the goal whatever their counts (kMostOfCounted).
+void LineRun::measureErrorsOfMixture() {
+  const Ids& ids = sums_.by_id.ids();
+  const MixtureEntries mixture(*sums_.lines, sums_.by_id, sums_.measure_area, sums_.countArea());
+  struct Found {
+    double largest_error = 0;
+    bool needs_directions = false;
+    Wanting wanting;
   };
+  std::vector<Found> found(mixture.sliceCount());
+  const auto noteError = [&](Found& of, const FormFactors::Entry& entry) {
+    of.largest_error =
+        std::max(of.largest_error, entry.exchange_area.standard_error / ids.smallerArea(entry.i, entry.j));
+  };
+  mixture.forEach(
+      [&](size_t slice, size_t, size_t pair) {
+        const LinePair& of = sums_.lines->pairs()[pair];
+        const FormFactors::Entry entry{of.i, of.j, sums_.lines->exchangeArea(pair)};
+        noteError(found[slice], entry);
+        if (const double excess = excessOf(entry, ids); excess > 1)
+          found[slice].wanting.emplace_back(keyOf(entry), excess);
+      },
+      [&](size_t slice, size_t, const FormFactors::Entry& entry) {
+        noteError(found[slice], entry);
+        if (entry.j >= kEnvironment && excessOf(entry, ids) > 1) found[slice].needs_directions = true;
+      });
+  largest_error_ = 0;
+  needs_directions_ = false;
+  Wanting wanting;
+  for (const Found& of : found) {
+    largest_error_ = std::max(largest_error_, of.largest_error);
+    needs_directions_ |= of.needs_directions;
+    wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
+  }
+  planFurther(wanting, {});
+}
+
+// Returns the entries between surfaces whose lines are too few, as findWanting(), where common directions have counted
+// some pairs. Further lines reduce only the part of an entry's error that is due to lines.
+//   Out: needs_directions_: whether the part due to common directions is too large for an entry
+LineRun::Wanting LineRun::findWantingBetweenSurfaces(const FormFactors& all) {
+  const std::vector<FormFactors::Entry> of_lines = sums_.lines->entriesOfResult();
   Wanting wanting;
   needs_directions_ = false;
-  size_t line = 0;
+  auto line = of_lines.begin();
   for (const FormFactors::Entry& entry : all.entries()) {
-    const double excess = excessOf(entry, ids);
+    const double excess = excessOf(entry, all.ids());
     if (!(excess > 1)) continue;
-    while (line < count && keyAt(line) < keyOf(entry)) ++line;
-    const bool has_lines = line < count && keyAt(line) == keyOf(entry);
-    const double of_lines = has_lines ? errorAt(line) : 0, whole = entry.exchange_area.standard_error,
-                 allowed = whole / excess, of_counts = std::sqrt(std::max(0.0, whole * whole - of_lines * of_lines));
-    if (has_lines && of_counts < allowed)
-      wanting.emplace_back(keyOf(entry), of_lines / std::sqrt(allowed * allowed - of_counts * of_counts));
-    // Pairs of polygons that were counted are within the goal whatever their counts (kMostOfCounted).
-    else if (options_.by == By::surface || entry.j >= kEnvironment) needs_directions_ = true;
+    while (line != of_lines.end() && keyOf(*line) < keyOf(entry)) ++line;
+    const bool has_lines = line != of_lines.end() && keyOf(*line) == keyOf(entry);
+    const double by_lines = has_lines ? line->exchange_area.standard_error : 0,
+                 whole = entry.exchange_area.standard_error, allowed = whole / excess,
+                 by_counts = std::sqrt(std::max(0.0, whole * whole - by_lines * by_lines));
+    if (has_lines && by_counts < allowed)
+      wanting.emplace_back(keyOf(entry), by_lines / std::sqrt(allowed * allowed - by_counts * by_counts));
+    else needs_directions_ = true;
   }
   return wanting;
 }

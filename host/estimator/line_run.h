@@ -37,11 +37,12 @@ class LineRun {
 
  private:
   void measureErrors();
+  void measureErrorsOfMixture();
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
   std::vector<double> findRowExcess(const FormFactors& all) const;
   Wanting findWanting(const FormFactors& all) const;
-  Wanting findWantingOfMixture(const FormFactors& all);
+  Wanting findWantingBetweenSurfaces(const FormFactors& all);
   void planFurther(const Wanting& wanting, const std::vector<double>& row_excess);
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;

@@ -74,6 +74,8 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
       in.refuse("its ids are of surfaces that it does not have");
   std::optional<PriorSums> prior_sums = readPriorSums(in, by_id.ids(), by_surface.ids());
   std::optional<LineSums> lines = readLineSums(in, by_id.ids());
+  if (lines && lines->leastFormFactor() > 0 && haveSharedKey(lines->pairs(), by_id.pairs()))
+    in.refuse("a pair that has lines was counted by common directions, too");
   Checkpoint checkpoint{std::move(settings),
                         {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
                          std::move(prior_sums), std::move(lines)}};

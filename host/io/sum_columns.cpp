@@ -358,6 +358,9 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   const auto replicate_count = readOne<uint64_t>(in, "lines/replicate_count");
   const auto least = readOne<double>(in, "lines/least_form_factor");
   if (!(least >= 0 && least <= 1)) in.refuse("its 'lines/least_form_factor' is no form factor");
+  const auto hasBack = [&](const LinePair& pair) { return pair.j >= face_ids.count(); };
+  if (least > 0 && std::ranges::any_of(pairs, hasBack))
+    in.refuse("its 'lines' have backs, whose lines common directions count where 'lines/least_form_factor' is above 0");
   return LineSums(face_ids, by, std::move(pairs), least, sums, replicate_count);
 }
 

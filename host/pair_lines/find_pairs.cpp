@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <numeric>
 
 #include <glm/glm.hpp>
 
@@ -305,20 +306,28 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, d
   PatchPairs all;
   all.is_complete = found_count <= kMostPatchPairs;
   if (!all.is_complete) return all;
-  size_t pair_count = 0, between_count = 0;
-  for (const PatchPairs& part : parts) pair_count += part.pairs.size(), between_count += part.between.size();
-  all.pairs.reserve(pair_count), all.between.reserve(between_count);
+  // Pairs are distributed by a (a counting sort), and then sorted by b.
+  std::vector<size_t> ends(patches_.size() + 1, 0);
+  size_t between_count = 0;
+  for (const PatchPairs& part : parts) {
+    for (const PatchPair& pair : part.pairs) ++ends[pair.a + 1];
+    between_count += part.between.size();
+  }
+  std::partial_sum(ends.begin(), ends.end(), ends.begin());
+  all.pairs.resize(ends.back()), all.between.reserve(between_count);
   for (PatchPairs& part : parts) {
     const auto offset = static_cast<uint32_t>(all.between.size());
     for (PatchPair pair : part.pairs) {
       pair.first_blocker += offset;
-      all.pairs.push_back(pair);
+      all.pairs[ends[pair.a]++] = pair;
     }
     all.between.insert(all.between.end(), part.between.begin(), part.between.end());
     all.work.shafts += part.work.shafts, all.work.tests += part.work.tests;
     part = {};
   }
-  std::ranges::sort(all.pairs, {}, [](const PatchPair& pair) { return std::pair(pair.a, pair.b); });
+  shareOut(threads, patches_.size(), 64, [&](size_t, size_t a) {
+    std::ranges::sort(all.pairs.begin() + (a ? ends[a - 1] : 0), all.pairs.begin() + ends[a], {}, &PatchPair::b);
+  });
   return all;
 }
 

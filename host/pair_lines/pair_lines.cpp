@@ -57,7 +57,7 @@ std::vector<LinePair> PairLines::findHere(double least_form_factor) {
   const auto idsOf = [&](const PatchPair& part) {
     return std::minmax({finder_.patches()[part.a].id, finder_.patches()[part.b].id});
   };
-  std::ranges::stable_sort(parts_.pairs, {}, idsOf);
+  if (!std::ranges::is_sorted(parts_.pairs, {}, idsOf)) std::ranges::stable_sort(parts_.pairs, {}, idsOf);
   size_t count = 0;
   for (size_t k = 0; k < parts_.pairs.size(); ++k)
     count += k == 0 || idsOf(parts_.pairs[k]) != idsOf(parts_.pairs[k - 1]);

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "sums/add_pairs.h"
-#include "sums/calibrate_rows.h"
 #include "sums/row_calibration.h"
+#include "sums/row_sums.h"
 
 namespace viewpeel {
 namespace {
@@ -55,16 +55,16 @@ class Calibration {
 
  private:
   // Finds gains and slopes for the present y.
-  RowPass evaluate() const {
+  RowTotals evaluate() const {
     const Rows of_row = factors();
-    return sumPass(entries_.size(), y_.size(), [&](size_t k, RowPass& sums) {
+    return sumByRow(entries_.size(), y_.size(), [&](size_t k, RowTotals& totals) {
       if (!is_counted_[k]) return;
       const FormFactors::Entry& entry = entries_[k];
       const double before = entry.exchange_area.value, after = valueOf(entry, of_row);
       const bool is_free = after < most_ * ids_.smallerArea(entry.i, entry.j);
       for (const uint32_t id : {entry.i, entry.j}) {
-        sums.gain[id] += after - before;
-        if (is_free) sums.slope[id] += after;
+        totals[kGain][id] += after - before;
+        if (is_free) totals[kSlope][id] += after;
       }
     });
   }

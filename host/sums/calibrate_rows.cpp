@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "sums/row_calibration.h"
+#include "sums/row_sums.h"
 
 namespace viewpeel {
 namespace {
@@ -18,11 +19,6 @@ constexpr double kMostTilt = 8;  // greatest |y|, so odds change by a factor of 
 // A row's gain is at most this share of what it would gain if all its guessed visibilities were 1 (or 0). The full gain
 // would need infinite odds.
 constexpr double kMostOfRoom = 0.98;
-
-void addToRows(Rows& rows, const Entry& entry, double value) {
-  rows[entry.i] += value;
-  if (entry.j < kEnvironment && entry.j != entry.i) rows[entry.j] += value;
-}
 
 // Returns the visibility whose odds are odds_factor times the odds of `visibility`, eq. (40).
 double tilt(double visibility, double odds_factor) {
@@ -70,16 +66,16 @@ class Calibration {
 
  private:
   // Finds gains and slopes for the present y.
-  RowPass evaluate() const {
+  RowTotals evaluate() const {
     Rows odds(y_.size());
     for (size_t i = 0; i < y_.size(); ++i) odds[i] = std::exp(y_[i]);
-    return sumPass(guesses_.size(), y_.size(), [&](size_t k, RowPass& sums) {
+    return sumByRow(guesses_.size(), y_.size(), [&](size_t k, RowTotals& totals) {
       const Guess& guess = guesses_[k];
       const Entry& entry = entries_[guess.entry];
       const double weight = double(guess.weight) * guess.most,
                    visibility = tilt(guess.visibility, odds[entry.i] * odds[entry.j]);
-      addToRows(sums.gain, entry, weight * (visibility - guess.visibility));
-      addToRows(sums.slope, entry, weight * visibility * (1 - visibility));
+      addToRows(totals[kGain], entry, weight * (visibility - guess.visibility));
+      addToRows(totals[kSlope], entry, weight * visibility * (1 - visibility));
     });
   }
 
@@ -98,18 +94,6 @@ void calibrateRows(std::vector<Entry>& entries, const std::vector<Guess>& guesse
     double& value = entries[guess.entry].exchange_area.value;
     value = std::max(0.0, value + calibration.gainOf(guess));
   }
-}
-
-std::vector<Measured> sumRows(const std::vector<Entry>& entries, const std::vector<double>& areas) {
-  Rows sums(areas.size()), squares(areas.size());
-  for (const Entry& entry : entries) {
-    addToRows(sums, entry, entry.exchange_area.value);
-    addToRows(squares, entry, entry.errorInSums() * entry.errorInSums());
-  }
-  std::vector<Measured> rows;
-  rows.reserve(areas.size());
-  for (size_t i = 0; i < areas.size(); ++i) rows.push_back({sums[i] / areas[i], std::sqrt(squares[i]) / areas[i]});
-  return rows;
 }
 
 }  // namespace viewpeel

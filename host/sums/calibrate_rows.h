@@ -36,8 +36,4 @@ struct Guess {
 void calibrateRows(std::vector<FormFactors::Entry>& entries, const std::vector<Guess>& guesses,
                    const std::vector<double>& areas);
 
-// Returns the row sums of entries, sum_j x_ij / A_i, with their standard errors as if the entries were independent. A
-// pair (i, i) is added once.
-std::vector<Measured> sumRows(const std::vector<FormFactors::Entry>& entries, const std::vector<double>& areas);
-
 }  // namespace viewpeel

@@ -4,33 +4,50 @@
 #include <cmath>
 
 #include "sums/add_pairs.h"
-#include "sums/calibrate_rows.h"
+#include "sums/mixture_entries.h"
+#include "sums/row_sums.h"
 
 namespace viewpeel {
 namespace {
 
-// Merges the pairs that common directions counted into the entries of pairs with lines. No pair is among both but
-// between surfaces, whose pairs of faces may be of either kind.
-//   In: entries: with room for the counted pairs; least_form_factor: 0 between surfaces
+// Merges the entries between surfaces of the pairs that common directions counted into those of the pairs with lines.
 void addCounted(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
-                double count_area, double least_form_factor) {
-  const auto toEntry = [&](const ReplicateSums::PairSum& pair) {
-    Measured exchange = counted.exchangeArea(pair, measure_area, count_area);
-    if (least_form_factor > 0 && pair.j < kEnvironment) {
-      const double largest = least_form_factor * counted.ids().smallerArea(pair.i, pair.j);
-      exchange.value = std::min(exchange.value, kMostOfCounted * largest);
-      exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, largest));
-    }
-    return FormFactors::Entry{pair.i, pair.j, exchange};
-  };
-  // Entries move to the end, from the last one on, and counted pairs are put between them.
-  size_t from = entries.size(), to = from + counted.pairs().size();
-  entries.resize(to);
-  for (auto pair = counted.pairs().rbegin(); pair != counted.pairs().rend(); ++pair) {
-    while (from > 0 && keyOf(*pair) < keyOf(entries[from - 1])) entries[--to] = entries[--from];
-    entries[--to] = toEntry(*pair);
-  }
+                double count_area) {
+  const auto with_lines = static_cast<std::ptrdiff_t>(entries.size());
+  for (const ReplicateSums::PairSum& pair : counted.pairs())
+    entries.push_back(countedEntry(counted, pair, measure_area, count_area, 0));
+  std::ranges::inplace_merge(entries, entries.begin() + with_lines, {}, keyOf<FormFactors::Entry>);
   addSameKeys(entries);
+}
+
+// Adds the spread of counted row sums to the errors of row sums. Entries that the same directions counted do not err
+// independently, so their row sums have a spread of their own.
+void addErrorsOfCounts(std::vector<Measured>& rows, const std::vector<Measured>& counted_rows) {
+  for (size_t k = 0; k < rows.size(); ++k)
+    rows[k].standard_error = std::hypot(rows[k].standard_error, counted_rows[k].standard_error);
+}
+
+// Returns the form factors of a mixture between polygons.
+FormFactors mixtureByPolygon(const LineSums& lines, const ReplicateSums& counted, double measure_area,
+                             double count_area) {
+  const MixtureEntries mixture(lines, counted, measure_area, count_area);
+  const LineSums::ChanceFactors factors = lines.chanceFactors();
+  std::vector<FormFactors::Entry> entries(mixture.count());
+  std::vector<char> has_lines(mixture.count());
+  mixture.forEach(
+      [&](size_t, size_t place, size_t pair) {
+        entries[place] = lines.entryAt(pair, factors);
+        has_lines[place] = true;
+      },
+      [&](size_t, size_t place, const FormFactors::Entry& entry) { entries[place] = entry; });
+  const Ids& ids = counted.ids();
+  const RowTotals totals = sumByRow(entries.size(), ids.count(), [&](size_t k, RowTotals& of_part) {
+    addToRows(of_part[0], entries[k], entries[k].exchange_area.value);
+    if (has_lines[k]) addToRows(of_part[1], entries[k], entries[k].errorInSums() * entries[k].errorInSums());
+  });
+  std::vector<Measured> rows = rowSumsOf(totals, ids.areas);
+  addErrorsOfCounts(rows, counted.measureRows(measure_area));
+  return {ids, std::move(entries), std::move(rows)};
 }
 
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
@@ -66,22 +83,21 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
                             double count_area) {
   if (lines.leastFormFactor() == 0)
     return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
+  if (by == By::polygon) return mixtureByPolygon(lines, counted, measure_area, count_area);
   const Ids& ids = counted.ids();
-  std::vector<FormFactors::Entry> entries = lines.entries(by == By::polygon ? counted.pairs().size() : 0);
-  if (by == By::surface) entries = mergeBySurface(std::move(entries), lines.ids().surface);
+  std::vector<FormFactors::Entry> entries = mergeBySurface(lines.entries(), lines.ids().surface);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
-  addCounted(entries, counted, measure_area, count_area, by == By::polygon ? lines.leastFormFactor() : 0);
-  const std::vector<Measured> values = sumRows(entries, ids.areas), counted_rows = counted.measureRows(measure_area);
-  // Entries that the same directions counted do not err independently, so their row sums have a spread of their own.
-  for (size_t k = 0; k < rows.size(); ++k)
-    rows[k] = {values[k].value, std::hypot(rows[k].standard_error, counted_rows[k].standard_error)};
+  addCounted(entries, counted, measure_area, count_area);
+  const std::vector<Measured> values = sumRows(entries, ids.areas);
+  for (size_t k = 0; k < rows.size(); ++k) rows[k].value = values[k].value;
+  addErrorsOfCounts(rows, counted.measureRows(measure_area));
   return {ids, std::move(entries), std::move(rows)};
 }
 
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
                             const ReplicateSums& counted, double measure_area, double count_area) {
   const Ids& ids = counted.ids();
-  if (by == By::surface) entries = mergeBySurface(std::move(entries), surface);
+  if (by == By::surface) entries = mergeBySurface(entries, surface);
   if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area, count_area);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};

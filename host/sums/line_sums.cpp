@@ -24,6 +24,13 @@ constexpr size_t kChunk = 1 << 16;  // pairs that a thread takes at once
 // Returns the part of a pair's unoccluded exchange area that something may block.
 double blockable(const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); }
 
+// Adds an entry of the same pair of ids, whose error is independent.
+void addEntry(FormFactors::Entry& sum, const FormFactors::Entry& entry) {
+  sum.error_in_sums = std::hypot(sum.errorInSums(), entry.errorInSums());
+  sum.exchange_area.value += entry.exchange_area.value;
+  sum.exchange_area.standard_error = std::hypot(sum.exchange_area.standard_error, entry.exchange_area.standard_error);
+}
+
 // Returns the class of a pair in eq. (61) of docs/method.md: class c has 2^(c-1) to 2^c - 1 blocks.
 size_t classOf(const LinePair& pair) { return static_cast<size_t>(std::bit_width(pair.blocks)); }
 
@@ -219,10 +226,8 @@ double LineSums::smallerArea(const LinePair& pair) const {
   return std::min(ids_.areas[pair.i], pair.j < ids_.count() ? ids_.areas[pair.j] : INFINITY);
 }
 
-std::vector<FormFactors::Entry> LineSums::entries(size_t room) const {
-  std::vector<FormFactors::Entry> entries;
-  entries.reserve(pairs_.size() + room);
-  entries.resize(pairs_.size());
+std::vector<FormFactors::Entry> LineSums::entries() const {
+  std::vector<FormFactors::Entry> entries(pairs_.size());
   const ChanceFactors factors = chanceFactors();
   forEachChunk([&](size_t, size_t first, size_t end) {
     for (size_t k = first; k < end; ++k) entries[k] = entryAt(k, factors);
@@ -231,35 +236,25 @@ std::vector<FormFactors::Entry> LineSums::entries(size_t room) const {
   return entries;
 }
 
-std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
+std::vector<FormFactors::Entry> mergeBySurface(const std::vector<FormFactors::Entry>& entries,
                                                const std::vector<uint32_t>& surface) {
-  for (FormFactors::Entry& entry : entries) {
-    const auto [i, j] = std::minmax({surface[entry.i], entry.j < kEnvironment ? surface[entry.j] : entry.j});
-    // Two faces of one surface exchange both ways within it.
-    const double ways = i == j ? 2 : 1;
-    entry = {i,
-             j,
-             {ways * entry.exchange_area.value, ways * entry.exchange_area.standard_error},
-             ways * entry.error_in_sums};
-  }
-  std::ranges::sort(entries, {}, keyOf<FormFactors::Entry>);
-  addSameKeys(entries);
-  entries.shrink_to_fit();  // few of many are left
-  return entries;
+  std::vector<FormFactors::Entry> merged = mergePairs(entries, surface, addEntry);
+  // Two faces of one surface exchange both ways within it.
+  for (FormFactors::Entry& entry : merged)
+    if (entry.i == entry.j) {
+      entry.exchange_area.value *= 2;
+      entry.exchange_area.standard_error *= 2;
+      entry.error_in_sums *= 2;
+    }
+  return merged;
 }
 
 void addSameKeys(std::vector<FormFactors::Entry>& entries) {
   if (entries.empty()) return;
   auto last = entries.begin();
   for (auto entry = last + 1; entry != entries.end(); ++entry) {
-    if (keyOf(*entry) != keyOf(*last)) {
-      *++last = *entry;
-      continue;
-    }
-    Measured& sum = last->exchange_area;
-    last->error_in_sums = std::hypot(last->errorInSums(), entry->errorInSums());
-    sum.value += entry->exchange_area.value;
-    sum.standard_error = std::hypot(sum.standard_error, entry->exchange_area.standard_error);
+    if (keyOf(*entry) == keyOf(*last)) addEntry(*last, *entry);
+    else *++last = *entry;
   }
   entries.erase(last + 1, entries.end());
 }

@@ -121,8 +121,14 @@ class LineSums {
   // Returns the exchange areas of all pairs of faces, and of each face with kLeak, which is the sum over the face's
   // pairs with backs. They are sorted, and in input units squared.
   //   Error: docs/method.md, eq. (47); bench/programs/coverage.cpp measures how often intervals hold the truth.
-  //   In: room: further entries for which the vector has room
-  std::vector<FormFactors::Entry> entries(size_t room = 0) const;
+  std::vector<FormFactors::Entry> entries() const;
+  // By class of pairs: the variance of their lines over the variance that independent lines would have. The classes are
+  // by LinePair::blocks.
+  using ChanceFactors = std::array<double, 33>;
+  ChanceFactors chanceFactors() const;
+  // Returns the entry of a pair of faces, or of a face with kLeak. Between faces it has the error that the pair adds to
+  // a sum over many pairs: docs/method.md, eq. (61).
+  FormFactors::Entry entryAt(size_t pair, const ChanceFactors& factors) const;
   // Returns the exchange areas of entries() by the rows of the result: between faces, or added up between surfaces.
   std::vector<FormFactors::Entry> entriesOfResult() const;
   // Returns the exchange area of one pair, computed as in entries(), in input units squared.
@@ -134,16 +140,8 @@ class LineSums {
  private:
   static constexpr uint32_t kNoPlace = UINT32_MAX;
 
-  // By class of pairs: the variance of their lines over the variance that independent lines would have. The classes are
-  // by LinePair::blocks.
-  using ChanceFactors = std::array<double, 33>;
-
   void findPlaces();
-  ChanceFactors chanceFactors() const;
   Measured exchangeArea(size_t pair, const Visibility& visibility) const;
-  // Returns the entry of a pair of faces, or of a face with kLeak. Between faces it has the error that the pair adds to
-  // a sum over many pairs: docs/method.md, eq. (61).
-  FormFactors::Entry entryAt(size_t pair, const ChanceFactors& factors) const;
   size_t chunkCount() const;
   void forEachChunk(const std::function<void(size_t chunk, size_t first, size_t end)>& work) const;
 
@@ -159,7 +157,7 @@ class LineSums {
 };
 
 // Returns entries between surfaces: sums of the entries between their faces, whose errors are independent.
-std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
+std::vector<FormFactors::Entry> mergeBySurface(const std::vector<FormFactors::Entry>& entries,
                                                const std::vector<uint32_t>& surface);
 
 // Adds up entries of one pair of ids, whose errors are independent.    In: entries: sorted by (i, j)

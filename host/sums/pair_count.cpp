@@ -1,28 +1,47 @@
 #include "sums/pair_count.h"
 
 #include <algorithm>
+#include <atomic>
 #include <numeric>
 
-namespace viewpeel {
+#include "threads.h"
 
-// Counts are first distributed by i (a counting sort). Then the few counts of each i are sorted by j.
-PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count) {
+namespace viewpeel {
+namespace {
+
+constexpr size_t kRows = 64;  // that a thread sorts at a time
+
+}  // namespace
+
+// Counts are first distributed by i (a counting sort), in any order within one i. Then the few counts of each i are
+// sorted by j.
+PairCounts sortAndJoin(const std::vector<PairCounts>& lists, uint32_t id_count) {
+  size_t all = 0;
+  for (const PairCounts& list : lists) all += list.size();
+  const size_t threads = threadsFor(all);
   std::vector<size_t> ends(id_count + 1, 0);
-  for (const PairCount& count : counts) ++ends[count.i + 1];
+  shareOut(threads, lists.size(), 1, [&](size_t, size_t list) {
+    for (const PairCount& count : lists[list])
+      std::atomic_ref(ends[count.i + 1]).fetch_add(1, std::memory_order_relaxed);
+  });
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  PairCounts sorted(counts.size());
-  for (const PairCount& count : counts) sorted[ends[count.i]++] = count;
-  size_t joined = 0;
-  for (size_t first = 0; first < sorted.size();) {
-    const size_t end = ends[sorted[first].i];
-    std::sort(sorted.begin() + first, sorted.begin() + end, isBefore);
-    for (size_t k = first; k < end; ++k) {
-      if (joined && !isBefore(sorted[joined - 1], sorted[k])) sorted[joined - 1].add(sorted[k]);
-      else sorted[joined++] = sorted[k];
-    }
-    first = end;
+  PairCounts sorted(all);
+  shareOut(threads, lists.size(), 1, [&](size_t, size_t list) {
+    for (const PairCount& count : lists[list])
+      sorted[std::atomic_ref(ends[count.i]).fetch_add(1, std::memory_order_relaxed)] = count;
+  });
+  // The counts of row i are now between ends[i - 1] and ends[i].
+  shareOut(threads, id_count, kRows, [&](size_t, size_t i) {
+    std::sort(sorted.begin() + (i ? ends[i - 1] : 0), sorted.begin() + ends[i], isBefore);
+  });
+  const auto isSame = [](const PairCount& a, const PairCount& b) { return !isBefore(a, b); };
+  auto last = std::adjacent_find(sorted.begin(), sorted.end(), isSame);
+  if (last == sorted.end()) return sorted;
+  for (auto count = last + 1; count != sorted.end(); ++count) {
+    if (isSame(*last, *count)) last->add(*count);
+    else *++last = *count;
   }
-  sorted.resize(joined);
+  sorted.erase(last + 1, sorted.end());
   return sorted;
 }
 

@@ -13,8 +13,9 @@ inline constexpr auto isBefore = [](const PairCount& a, const PairCount& b) {
 // Returns the sums of two sorted lists of counts, sorted.
 PairCounts addCounts(const PairCounts& a, const PairCounts& b);
 
-// Returns the counts sorted, with counts of the same pair added up.
-//   In: counts: in any order, with i < id_count    Cost: O(n) for n counts, plus sorting the counts of each i.
-PairCounts sortAndJoin(const PairCounts& counts, uint32_t id_count);
+// Returns the counts of all lists sorted, with counts of the same pair added up.
+//   In: lists: in any order, with i < id_count
+//   Cost: O(n) for n counts, plus sorting the counts of each i, on all threads.
+PairCounts sortAndJoin(const std::vector<PairCounts>& lists, uint32_t id_count);
 
 }  // namespace viewpeel

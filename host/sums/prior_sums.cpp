@@ -9,6 +9,7 @@
 
 #include "sums/add_pairs.h"
 #include "sums/neighbour_visibility.h"
+#include "sums/row_sums.h"
 #include "threads.h"
 
 namespace viewpeel {

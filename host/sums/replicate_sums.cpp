@@ -21,10 +21,10 @@ void ReplicateSums::add(const PairCounts& counts) {
   addRows(counts);
   const auto addTo = [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); };
   const auto is_seen = [](const PairCount& count) { return count.count > 0; };
-  if (std::all_of(counts.begin(), counts.end(), is_seen)) return addPairs(pairs_, counts, addTo);
+  if (std::all_of(counts.begin(), counts.end(), is_seen)) return pairs_.add(counts, addTo);
   PairCounts seen;  // the counts of pairs with a facing line
   std::copy_if(counts.begin(), counts.end(), std::back_inserter(seen), is_seen);
-  addPairs(pairs_, seen, addTo);
+  pairs_.add(seen, addTo);
 }
 
 void ReplicateSums::addRows(const PairCounts& counts) {
@@ -39,7 +39,7 @@ void ReplicateSums::addRows(const PairCounts& counts) {
 
 void ReplicateSums::add(const ReplicateSums& others) {
   replicate_count_ += others.replicate_count_;
-  addPairs(pairs_, others.pairs_, [](PairSum& sum, const PairSum& pair) { sum.sum.add(pair.sum); });
+  pairs_.add(others.pairs_, [](PairSum& sum, const PairSum& pair) { sum.sum.add(pair.sum); });
   for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
@@ -70,9 +70,11 @@ Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, d
 }
 
 FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
-  std::vector<FormFactors::Entry> entries;
-  entries.reserve(pairs_.size());
-  for (const PairSum& pair : pairs_) entries.push_back({pair.i, pair.j, exchangeArea(pair, measure_area, count_area)});
+  std::vector<FormFactors::Entry> entries(pairs_.size());
+  pairs_.forEachBlock([&](size_t block, size_t first) {
+    for (const PairSum& pair : pairs_.block(block))
+      entries[first++] = {pair.i, pair.j, exchangeArea(pair, measure_area, count_area)};
+  });
   return {ids_, std::move(entries), measureRows(measure_area)};
 }
 
@@ -86,23 +88,29 @@ std::vector<Measured> ReplicateSums::measureRows(double measure_area) const {
   return rows;
 }
 
+// Returns the largest error_of(pair), or 0 where there is none above 0.
+template <class ErrorOf>
+double ReplicateSums::largestOf(const ErrorOf& error_of) const {
+  std::vector<double> largest(pairs_.ranges().count() + 1, 0);
+  pairs_.forEachBlock([&](size_t block, size_t) {
+    for (const PairSum& pair : pairs_.block(block)) largest[block] = std::max(largest[block], error_of(pair));
+  });
+  return *std::ranges::max_element(largest);
+}
+
 double ReplicateSums::largestStandardError(double measure_area, double count_area) const {
-  double largest = 0;
-  for (const PairSum& pair : pairs_)
-    largest = std::max(largest,
-                       exchangeArea(pair, measure_area, count_area).standard_error / ids_.smallerArea(pair.i, pair.j));
-  return largest;
+  return largestOf([&](const PairSum& pair) {
+    return exchangeArea(pair, measure_area, count_area).standard_error / ids_.smallerArea(pair.i, pair.j);
+  });
 }
 
 double ReplicateSums::largestRelativeError(double measure_area, double floor, double count_area) const {
-  double largest = 0;
-  for (const PairSum& pair : pairs_) {
+  return largestOf([&](const PairSum& pair) {
     // F_ij and F_ji have the same relative error, which counts if the larger of the two reaches the floor.
     const Measured exchange = exchangeArea(pair, measure_area, count_area);
-    if (exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor)
-      largest = std::max(largest, exchange.standard_error / exchange.value);
-  }
-  return largest;
+    const bool is_large = exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor;
+    return is_large ? exchange.standard_error / exchange.value : 0;
+  });
 }
 
 double unmetBound(double area, double count_area, double directions) {

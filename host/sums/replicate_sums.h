@@ -7,6 +7,7 @@
 
 #include <viewpeel/form_factors.h>
 #include <viewpeel/ids.h>
+#include "sums/pair_blocks.h"
 #include "sums/pair_count.h"
 
 namespace viewpeel {
@@ -32,15 +33,15 @@ class ReplicateSums {
     Sum sum{};
   };
 
-  explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), row_sums_(ids_.count()) {}
+  explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), pairs_(ids_.count()), row_sums_(ids_.count()) {}
   // Restores sums from a checkpoint.    In: pairs: sorted by (i, j), every pair at most once; row_sums: Sum[ids]
-  ReplicateSums(Ids ids, uint64_t replicate_count, std::vector<PairSum> pairs, std::vector<Sum> row_sums)
+  ReplicateSums(Ids ids, uint64_t replicate_count, const std::vector<PairSum>& pairs, std::vector<Sum> row_sums)
       : ids_(std::move(ids)),
-        pairs_(std::move(pairs)),
+        pairs_(ids_.count(), pairs),
         row_sums_(std::move(row_sums)),
         replicate_count_(replicate_count) {}
 
-  // Adds one replicate.    Cost: O(pairs).
+  // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
   // Adds one replicate to the row sums alone, for runs whose pairs are summed elsewhere.
   void addRows(const PairCounts& counts);
@@ -48,7 +49,7 @@ class ReplicateSums {
   void add(const ReplicateSums& others);
 
   const Ids& ids() const { return ids_; }
-  const std::vector<PairSum>& pairs() const { return pairs_; }
+  const PairBlocks<PairSum>& pairs() const { return pairs_; }
   const std::vector<Sum>& rowSums() const { return row_sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
 
@@ -77,9 +78,11 @@ class ReplicateSums {
 
  private:
   Measured measure(const Sum& sum, double most_counts) const;
+  template <class ErrorOf>
+  double largestOf(const ErrorOf& error_of) const;
 
   Ids ids_;
-  std::vector<PairSum> pairs_;
+  PairBlocks<PairSum> pairs_;
   std::vector<Sum> row_sums_;
   uint64_t replicate_count_ = 0;
 };

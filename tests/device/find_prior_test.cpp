@@ -12,6 +12,7 @@
 #include "engines/host_engine.h"
 #include "estimator/find_prior.h"
 #include "sums/neighbour_visibility.h"
+#include "sums/row_sums.h"
 #include "reference/closed_forms/past_blocker.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"

@@ -1,6 +1,7 @@
 // calibrateRows() adjusts guesses so that rows sum to 1. Visibilities stay between 0 and 1, and measured entries do not
 // change.
 #include "sums/calibrate_rows.h"
+#include "sums/row_sums.h"
 
 #include <cmath>
 #include <random>

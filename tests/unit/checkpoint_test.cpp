@@ -59,8 +59,8 @@ TEST_F(CheckpointFile, ReadsBackEveryBit) {
     EXPECT_EQ(a->replicateCount(), b->replicateCount());
     ASSERT_EQ(a->pairs().size(), b->pairs().size());
     ASSERT_GT(a->pairs().size(), 10u);
-    for (size_t k = 0; k < a->pairs().size(); ++k) {
-      const auto &x = a->pairs()[k], &y = b->pairs()[k];
+    for (auto of_a = a->pairs().begin(), of_b = b->pairs().begin(); of_a != a->pairs().end(); ++of_a, ++of_b) {
+      const ReplicateSums::PairSum &x = *of_a, &y = *of_b;
       EXPECT_TRUE(x.i == y.i && x.j == y.j && x.sum.sum == y.sum.sum && x.sum.sum_of_squares == y.sum.sum_of_squares)
           << x.i << ", " << x.j;
       passes_64_bits = passes_64_bits || x.sum.sum_of_squares >> 64;
@@ -134,7 +134,7 @@ TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
 // to the bytes of the whole in any order. A file in which a pair has another number of lines belongs to another run and
 // is refused.
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
-  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3, double least = 0.01) {
+  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3, double least = 0) {
     const std::vector<LinePair> pairs = {
         {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, 1e-9, blocks}, {1, ids_.count() + 2, 0.25, 0, 0, 1, 2, true}};
     RunSums sums = makeRunSums(scene_, ids_);
@@ -165,8 +165,29 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_EQ(bytesOf(mergeCheckpoints({file("b.h5"), file("a.h5")}).sums), whole);
   writeCheckpoint(kSettings, sumsWithLines({1, 3}, 4), file("c.h5"));
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
-  writeCheckpoint(kSettings, sumsWithLines({1, 3}, 3, 0.02), file("d.h5"));
-  EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("d.h5")}), Error);
+}
+
+// In a mixture common directions count the pairs that have no lines, and lines that end on backs. Files of which one
+// has lines for other pairs are not of one run.
+TEST_F(CheckpointFile, MixturesHaveEachPairOnce) {
+  const auto write = [&](const char* name, double least, uint32_t j, uint32_t counted) {
+    RunSums sums = makeRunSums(scene_, ids_);
+    sums.lines.emplace(ids_, By::polygon, std::vector<LinePair>{{0, j, 0.5, 0.1, 1e-9, 3}}, least);
+    sums.measure_area = 0.1;
+    const uint64_t replicate = name[0];
+    sums.addLines(replicate, {{0, counted, 5, 0}}, 10, {{0, 3, 600'000, 1'000'000, 40 * 256}});
+    writeCheckpoint(kSettings, sums, file(name));
+    return file(name);
+  };
+  const FormFactors found = readCheckpoint(write("a.h5", 0.01, 2, 3)).sums.formFactors();
+  EXPECT_EQ(found.entries().size(), 2u);
+  EXPECT_GT(found.exchangeArea(0, 2).value, 0.1);
+  EXPECT_GT(found.exchangeArea(0, 3).value, 0);
+  EXPECT_NO_THROW(mergeCheckpoints({file("a.h5"), write("b.h5", 0.01, 2, 4)}));
+  EXPECT_THROW(mergeCheckpoints({file("a.h5"), write("c.h5", 0.02, 2, 3)}), Error);
+  EXPECT_NE(messageOf([&] { readCheckpoint(write("d.h5", 0.01, 2, 2)); }).find("counted by common"), std::string::npos);
+  EXPECT_NE(messageOf([&] { readCheckpoint(write("e.h5", 0.01, ids_.count() + 2, 3)); }).find("have backs"),
+            std::string::npos);
 }
 
 // Merged parts of a run with priors have the bytes of one run: control variates are integers, and all parts have the
