@@ -146,9 +146,9 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
   }
   const bool by_polygon = options_.by == By::polygon;
   const ReplicateSums& counted = by_polygon ? sums.by_id : sums.by_surface;
-  FormFactors all = lineFormFactors(entries, {}, By::polygon, counted, sums.measure_area, sums.countArea());
+  FormFactors all = lineFormFactors(entries, {}, By::polygon, counted, sums.measure_area);
   estimate.between_surfaces = by_polygon ? lineFormFactors(std::move(entries), face_ids_.surface, By::surface,
-                                                           sums.by_surface, sums.measure_area, sums.countArea())
+                                                           sums.by_surface, sums.measure_area)
                                          : all;
   estimate.between_surfaces = keepSeen(std::move(estimate.between_surfaces));
   estimate.replicates = look_;

@@ -51,16 +51,17 @@ FormFactors mixtureByPolygon(const LineSums& lines, const ReplicateSums& counted
 }
 
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
-// counted.
-void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
-                           double count_area) {
+// counted. Such a leak is small, or it would have lines. So its error is its spread over replicates, without the part
+// of eq. (12) that allows for what no direction saw.
+void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted,
+                           double measure_area) {
   const Ids& ids = counted.ids();
   std::vector<Measured> environment(ids.count()), leak(ids.count());
   bool is_open = false;
   for (const ReplicateSums::PairSum& pair : counted.pairs()) {
     if (pair.j < kEnvironment) continue;
     is_open |= pair.j == kEnvironment;
-    (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, count_area);
+    (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, INFINITY);
   }
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
@@ -82,7 +83,7 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
   if (lines.leastFormFactor() == 0)
-    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area, count_area);
+    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area);
   if (by == By::polygon) return mixtureByPolygon(lines, counted, measure_area, count_area);
   const Ids& ids = counted.ids();
   std::vector<FormFactors::Entry> entries = mergeBySurface(lines.entries(), lines.ids().surface);
@@ -95,10 +96,10 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
 }
 
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
-                            const ReplicateSums& counted, double measure_area, double count_area) {
+                            const ReplicateSums& counted, double measure_area) {
   const Ids& ids = counted.ids();
   if (by == By::surface) entries = mergeBySurface(entries, surface);
-  if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area, count_area);
+  if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};
 }

@@ -32,6 +32,6 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
 //   In: entries: sorted, with independent errors, input units squared; surface: uint32_t[faces], the surface of each
 //     face
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
-                            const ReplicateSums& counted, double measure_area, double count_area);
+                            const ReplicateSums& counted, double measure_area);
 
 }  // namespace viewpeel

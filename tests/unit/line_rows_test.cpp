@@ -9,6 +9,7 @@
 #include <viewpeel/compute.h>
 
 #include "estimator/plan_lines.h"
+#include "sums/run_sums.h"
 #include "scenes/generate.h"
 
 namespace viewpeel {
@@ -80,6 +81,30 @@ TEST(LineRows, GoalIsOfAllRowsTogether) {
   EXPECT_NEAR(errorsInRowGoal(1), 1.959964, 1e-6);
   EXPECT_NEAR(errorsInRowGoal(50), 3.290527, 1e-6);
   EXPECT_EQ(errorsInRowGoal(0), errorsInRowGoal(1));
+}
+
+// Where a pilot sees a row lose more than its tolerance, lines of pairs measure the leak. So a leak that one line of one
+// replicate found is small. By eq. (12) its error is sqrt(2) times its value, without the part for what no direction
+// saw. With this part it would be 11 times as large here, and be most of the error of the row's environment.
+TEST(LineRows, ALeakOfOneLineErrsByItsSpread) {
+  constexpr uint64_t kReplicates = 11;
+  const Scene scene = buildScene(bench::randomTriangles(3));
+  const Ids ids = makeIds(scene, By::polygon, true);
+  RunSums sums = makeRunSums(scene, ids);
+  const double exchange = 0.3 * ids.smallerArea(0, 1), error = 1e-4 * exchange;
+  sums.lines.emplace(ids, By::polygon, std::vector<LinePair>{{0, 1, exchange, exchange, error}});
+  sums.measure_area = 1e-3 * ids.areas[0];
+  for (uint64_t k = 0; k < kReplicates; ++k) {
+    PairCounts counts{{0, kEnvironment, 300, 0}};
+    if (k == 4) counts.push_back({0, kLeak, 1, 0});
+    sums.addLines(k, counts, 10, {});
+  }
+  const FormFactors found = sums.formFactors();
+  const Measured leak = found.exchangeArea(0, kLeak), environment = found.exchangeArea(0, kEnvironment);
+  EXPECT_NEAR(leak.value, 2 * sums.measure_area / kReplicates, 1e-12 * ids.areas[0]);
+  EXPECT_NEAR(leak.standard_error, std::sqrt(2) * leak.value, 1e-12 * ids.areas[0]);
+  EXPECT_NEAR(environment.value, ids.areas[0] - exchange - leak.value, 1e-12 * ids.areas[0]);
+  EXPECT_NEAR(environment.standard_error, std::hypot(error, leak.standard_error), 1e-12 * ids.areas[0]);
 }
 
 }  // namespace
