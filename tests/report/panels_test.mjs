@@ -160,3 +160,14 @@ test('intervals are in tables, tips and colours', async () => {
   assert.match(await page.tab.locator('#facts').textContent(), /largest error bound/);
   await page.close();
 });
+
+// A telephone is 390 points wide. The table of the largest form factors has the most columns that a reader needs.
+test('tables of intervals fit a telephone', async () => {
+  const page = await open('guarantee', { width: 390, height: 844 });
+  for (const name of ['Selection', 'Largest', 'Surfaces']) {
+    const table = (await page.panel(name)).locator('.scroll').first();
+    const { all, shown } = await table.evaluate(({ scrollWidth, clientWidth }) => ({ all: scrollWidth, shown: clientWidth }));
+    assert.ok(shown > 300 && all <= shown, `${name}: ${all} of ${shown}`);
+  }
+  await page.close();
+});

@@ -83,9 +83,9 @@ TEST(LineRows, GoalIsOfAllRowsTogether) {
   EXPECT_EQ(errorsInRowGoal(0), errorsInRowGoal(1));
 }
 
-// Where a pilot sees a row lose more than its tolerance, lines of pairs measure the leak. So a leak that one line of one
-// replicate found is small. By eq. (12) its error is sqrt(2) times its value, without the part for what no direction
-// saw. With this part it would be 11 times as large here, and be most of the error of the row's environment.
+// Where a pilot sees a row lose more than its tolerance, lines of pairs measure the leak. So a leak that one line of
+// one replicate found is small. By eq. (12) its error is sqrt(2) times its value, without the part for what no
+// direction saw. With this part it would be 11 times as large here, and be most of the error of the row's environment.
 TEST(LineRows, ALeakOfOneLineErrsByItsSpread) {
   constexpr uint64_t kReplicates = 11;
   const Scene scene = buildScene(bench::randomTriangles(3));
