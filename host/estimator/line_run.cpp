@@ -134,7 +134,7 @@ LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
 void LineRun::measureErrorsOfMixture() {
   const Ids& ids = sums_.by_id.ids();
   const MixtureEntries mixture(*sums_.lines, sums_.by_id, sums_.measure_area, sums_.countArea());
-  struct Found {
+  struct alignas(64) Found {  // threads write to different lines of the processor's caches
     double largest_error = 0;
     bool needs_directions = false;
     Wanting wanting;

@@ -93,7 +93,9 @@ template <class ErrorOf>
 double ReplicateSums::largestOf(const ErrorOf& error_of) const {
   std::vector<double> largest(pairs_.ranges().count() + 1, 0);
   pairs_.forEachBlock([&](size_t block, size_t) {
-    for (const PairSum& pair : pairs_.block(block)) largest[block] = std::max(largest[block], error_of(pair));
+    double of_block = 0;
+    for (const PairSum& pair : pairs_.block(block)) of_block = std::max(of_block, error_of(pair));
+    largest[block] = of_block;
   });
   return *std::ranges::max_element(largest);
 }

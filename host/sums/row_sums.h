@@ -22,7 +22,7 @@ inline void addToRows(std::vector<double>& totals, const FormFactors::Entry& ent
 
 // Goes through `count` items: add(k, totals) adds item k to its rows. The items are divided into parts, whose number
 // does not depend on the number of threads. Their totals are added in one order, so the result has the same bits for
-// any number of threads.    Cost: memory 16 bytes a row and part, less than 16 bytes an item
+// any number of threads.    Cost: memory of at most 16 bytes an item
 template <class Add>
 RowTotals sumByRow(size_t count, size_t rows, const Add& add) {
   constexpr size_t kLeastOfPart = size_t(1) << 16, kMostParts = 32;
