@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <ranges>
 
 #include <fmt/format.h>
 
@@ -163,10 +162,9 @@ std::vector<PairCounts> PairCounters::readDense(uint64_t first, uint64_t begin, 
   const std::span<const uint64_t> words = read_back_.mapped<uint64_t>();
   const auto rowStart = [&](uint32_t row) { return device_data::counterIndex(row, row, id_count_); };
   const uint64_t in_block = (first + begin) % counter_count_;
-  const auto rows = std::views::iota(0u, id_count_);
-  const auto beyond =
-      std::ranges::partition_point(rows, [&](uint32_t row) { return rowStart(row) <= in_block; }) - rows.begin();
-  auto i = static_cast<uint32_t>(beyond - 1);
+  uint32_t i = 0;  // the last row that starts at or before the first counter
+  for (uint32_t step = std::bit_floor(id_count_); step > 0; step /= 2)
+    if (i + step < id_count_ && rowStart(i + step) <= in_block) i += step;
   auto column = static_cast<uint32_t>(i + (in_block - rowStart(i)));
   std::vector<PairCounts> blocks(1);
   for (uint64_t k = begin; k < end; ++k) {
