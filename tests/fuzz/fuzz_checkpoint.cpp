@@ -53,7 +53,7 @@ void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   using U64 = std::vector<uint64_t>;
   writeColumn(out, bytes, "lines/by_surface", U8{0});
   writeColumn(out, bytes, "lines/replicate_count", U64{2});
-  writeColumn(out, bytes, "lines/least_form_factor", std::vector<double>{1e-3});
+  writeColumn(out, bytes, "lines/least_form_factor", std::vector<double>{0});  // mixtures have no backs
   writeColumn(out, bytes, "lines/i", U32{0, 0});
   writeColumn(out, bytes, "lines/j", U32{1, 3});
   writeColumn(out, bytes, "lines/exchange", std::vector<double>{0.5, 0.2});
