@@ -112,7 +112,7 @@ void PairCounters::clear(Commands& commands) {
   pairs_ = 0;
 }
 
-// Reads the counters in pieces, whose parts threads look through together.
+// Reads the counters piece by piece. Each piece is divided into parts, and threads share the parts.
 std::vector<PairCounts> PairCounters::read(Commands& commands) {
   const uint64_t bytes_each = wordsEach() * sizeof(uint64_t), at_once = kReadBytes / bytes_each,
                  all = blocks_ * counter_count_;

@@ -360,7 +360,7 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   if (!(least >= 0 && least <= 1)) in.refuse("its 'lines/least_form_factor' is no form factor");
   const auto hasBack = [&](const LinePair& pair) { return pair.j >= face_ids.count(); };
   if (least > 0 && std::ranges::any_of(pairs, hasBack))
-    in.refuse("its 'lines' have backs, whose lines common directions count where 'lines/least_form_factor' is above 0");
+    in.refuse("its 'lines' have backs, although 'lines/least_form_factor' is above 0");
   return LineSums(face_ids, by, std::move(pairs), least, sums, replicate_count);
 }
 

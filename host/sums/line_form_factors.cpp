@@ -15,7 +15,7 @@ void addCounted(std::vector<FormFactors::Entry>& entries, const ReplicateSums& c
                 double count_area) {
   const auto with_lines = static_cast<std::ptrdiff_t>(entries.size());
   for (const ReplicateSums::PairSum& pair : counted.pairs())
-    entries.push_back(countedEntry(counted, pair, measure_area, count_area, 0));
+    entries.push_back({pair.i, pair.j, counted.exchangeArea(pair, measure_area, count_area)});
   std::ranges::inplace_merge(entries, entries.begin() + with_lines, {}, keyOf<FormFactors::Entry>);
   addSameKeys(entries);
 }

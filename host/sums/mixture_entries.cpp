@@ -6,11 +6,12 @@
 
 namespace viewpeel {
 
-FormFactors::Entry countedEntry(const ReplicateSums& counted, const ReplicateSums::PairSum& pair, double measure_area,
-                                double count_area, double least_form_factor) {
-  Measured exchange = counted.exchangeArea(pair, measure_area, count_area);
-  if (least_form_factor > 0 && pair.j < kEnvironment) {
-    const double largest = least_form_factor * counted.ids().smallerArea(pair.i, pair.j);
+// Returns the entry of a pair that common directions counted. Between polygons it is cut to kMostOfCounted times the
+// least form factor with lines, from the smaller polygon.
+FormFactors::Entry MixtureEntries::countedEntry(const ReplicateSums::PairSum& pair) const {
+  Measured exchange = counted_.exchangeArea(pair, measure_area_, count_area_);
+  if (pair.j < kEnvironment) {
+    const double largest = lines_.leastFormFactor() * counted_.ids().smallerArea(pair.i, pair.j);
     exchange.value = std::min(exchange.value, kMostOfCounted * largest);
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, largest));
   }

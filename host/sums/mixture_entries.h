@@ -14,15 +14,10 @@
 
 namespace viewpeel {
 
-// Returns the entry of a pair that common directions counted.
-//   In: least_form_factor: of pairs with lines, from the smaller face; the entry is cut to kMostOfCounted times it. 0
-//     between surfaces, where entries are not cut. measure_area, count_area: as in ReplicateSums
-FormFactors::Entry countedEntry(const ReplicateSums& counted, const ReplicateSums::PairSum& pair, double measure_area,
-                                double count_area, double least_form_factor);
-
 class MixtureEntries {
  public:
-  //   In: lines, counted: kept by reference, no pair is in both; no pair with lines has a back
+  //   In: lines, counted: kept by reference, no pair is in both; no pair with lines has a back. measure_area,
+  //     count_area: as in ReplicateSums
   MixtureEntries(const LineSums& lines, const ReplicateSums& counted, double measure_area, double count_area)
       : lines_(lines), counted_(counted), measure_area_(measure_area), count_area_(count_area) {}
 
@@ -43,14 +38,14 @@ class MixtureEntries {
         const size_t place = first + line + counted_before[slice] + pair;
         if (pair == counted.size() || (line < with_lines.size() && keyOf(with_lines[line]) < keyOf(counted[pair])))
           of_lines(slice, place, first + line++);
-        else
-          of_counted(slice, place,
-                     countedEntry(counted_, counted[pair++], measure_area_, count_area_, lines_.leastFormFactor()));
+        else of_counted(slice, place, countedEntry(counted[pair++]));
       }
     });
   }
 
  private:
+  FormFactors::Entry countedEntry(const ReplicateSums::PairSum& pair) const;
+
   const LineSums& lines_;
   const ReplicateSums& counted_;
   double measure_area_, count_area_;

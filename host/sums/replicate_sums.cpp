@@ -91,7 +91,7 @@ std::vector<Measured> ReplicateSums::measureRows(double measure_area) const {
 // Returns the largest error_of(pair), or 0 where there is none above 0.
 template <class ErrorOf>
 double ReplicateSums::largestOf(const ErrorOf& error_of) const {
-  std::vector<double> largest(pairs_.ranges().count() + 1, 0);
+  std::vector<double> largest(pairs_.ranges().count() + 1, 0);  // one more, for there may be no block
   pairs_.forEachBlock([&](size_t block, size_t) {
     double of_block = 0;
     for (const PairSum& pair : pairs_.block(block)) of_block = std::max(of_block, error_of(pair));
