@@ -20,8 +20,8 @@ constexpr double kMostResolution = 1024;
 constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
 constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
-constexpr double kWorth = 1.25;             // lines for all pairs may cost this multiple of the mixture's time
-constexpr double kSoon = 0.5;               // all pairs get lines where they cost less than this
+constexpr double kWorth = 1.05;             // lines for all pairs may cost this multiple of the mixture's time
+constexpr double kSoon = 0.05;              // all pairs get lines where they cost less than this
 
 }  // namespace
 
@@ -63,8 +63,10 @@ bool mayFindAll(const PairNumbers& pairs) {
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
   if (!mayFindAll(work.pairs)) return false;
   const PairNumbers& pairs = work.pairs;
-  const double of_all = pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden,
-               of_mixture = pairs.large * kSecondsOfPair + countedPairs(work, mixture, replicates) * kSecondsOfCount;
+  const double of_all = pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden;
+  // Of hidden pairs as large a share as of the others is large, and searched for in a mixture, too.
+  const double large = pairs.found > 0 ? pairs.large / pairs.found : 0,
+               of_mixture = large * of_all + countedPairs(work, mixture, replicates) * kSecondsOfCount;
   return of_all <= std::max(kSoon, kWorth * of_mixture);
 }
 

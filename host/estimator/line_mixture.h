@@ -42,7 +42,7 @@ struct LineWork {
   double pairs_of_direction = 0;  // pairs of faces that one common direction counts
 };
 
-// Returns false for scenes of so few faces that lines for all pairs take less than half a second.
+// Returns false for scenes of so few faces that lines for all pairs take less than a twentieth of a second.
 bool mayPayMixture(size_t face_count);
 
 // Returns whether PairLines::find() can find all pairs within minutes, and keep them.
