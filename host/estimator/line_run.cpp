@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <utility>
@@ -24,6 +25,9 @@ constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
 // If common directions count pairs, a run ends short of its goal after this multiple of its planned replicates.
 constexpr uint64_t kMostMixtureGrowth = 8;
+// Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
+// have at most this many counts, 200 MB.
+constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,
                         const EstimateOptions& options) {
@@ -251,15 +255,35 @@ double LineRun::furtherLines() const {
   return lines;
 }
 
+// Returns how many of the planned replicates have their lines drawn at once. A run can be saved, and end because of its
+// time limit, only between them.
+size_t LineRun::replicatesAhead() const {
+  const uint64_t done = sums_.replicateCount();
+  if (options_.seconds || done >= options_.replicates) return 1;
+  double lines = 0, counts = 0;
+  for (const LinePair& pair : sums_.lines->pairs()) {
+    lines += pair.linesIn(1);
+    if (pair.blocks) counts += 1.0 / pair.period;
+  }
+  const double most = std::min(kMostLinesAhead / std::max(lines, 1.0), kMostCountsAhead / std::max(counts, 1.0));
+  return std::clamp<size_t>(static_cast<size_t>(most), 1, options_.replicates - done);
+}
+
 void LineRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  const LineCounts counts = lines_.count(sums_.lines->pairs(), replicate, further_);
+  const std::vector<LinePair>& pairs = sums_.lines->pairs();
+  if (!further_.empty()) ahead_.assign(1, lines_.count(pairs, replicate, further_));
+  else if (ahead_.empty()) {
+    std::vector<LineCounts> drawn = lines_.countAhead(pairs, replicate, replicatesAhead());
+    ahead_.assign(std::move_iterator(drawn.begin()), std::move_iterator(drawn.end()));
+  }
   PairCounts common;
   if (options_.directions)
     common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
   leaveOutPairsWithLines(common, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
-  sums_.addLines(replicate, common, options_.directions, counts);
+  sums_.addLines(replicate, common, options_.directions, ahead_.front());
+  ahead_.pop_front();
   common = {};  // measuring takes as much memory
   measureErrors();
 }

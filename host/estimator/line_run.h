@@ -4,6 +4,7 @@
 // factor is large enough. Common directions count the other pairs. They also tell which rows see the environment and
 // where lines leak.
 #pragma once
+#include <deque>
 #include <functional>
 #include <optional>
 
@@ -46,6 +47,7 @@ class LineRun {
   void planFurther(const Wanting& wanting, const std::vector<double>& row_excess);
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
+  size_t replicatesAhead() const;
 
   Engine& engine_;
   PairLines& lines_;
@@ -56,6 +58,7 @@ class LineRun {
   double largest_error_ = INFINITY;
   // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
+  std::deque<LineCounts> ahead_;   // of the next replicates, whose lines are drawn already
   bool needs_directions_ = false;  // whether counts of common directions err by more than the goal allows
   bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs
   uint64_t resumed_count_ = 0;

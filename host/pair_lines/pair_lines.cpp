@@ -17,8 +17,6 @@ namespace {
 constexpr size_t kMostChunk = 64;         // pairs that a thread takes at once,
 constexpr size_t kChunks = 16;            // so that each thread takes about this many chunks
 constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a thread takes at once
-constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
-constexpr size_t kTriedPairs = 64;
 constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
 constexpr double kLarge = 0.3;            // lines are drawn by angles where the unoccluded form factor is above this,
 constexpr double kNear = 0.15;            // or where the gap is below this share of the smaller patch's diagonal,
@@ -30,9 +28,6 @@ bool areNear(const Patch& a, const Patch& b) {
   const glm::dvec3 gap = glm::max(glm::dvec3(0), glm::max(a.low - b.high, b.low - a.high));
   return glm::length(gap) < kNear * std::min(glm::length(a.high - a.low), glm::length(b.high - b.low));
 }
-
-// Returns a number of its own for each patch, the same for every order of patches.
-uint64_t numberOf(const Patch& patch) { return patch.side + (uint64_t(patch.cut - 1) << 32); }
 
 }  // namespace
 
@@ -144,144 +139,6 @@ PairLinesFigures PairLines::figures() const {
   return figures;
 }
 
-std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t replicate) const {
-  std::array<uint32_t, 4> scrambles;
-  for (uint32_t d = 0; d < 4; ++d) {
-    Hash hash;
-    for (const uint64_t number :
-         {seed_, numberOf(finder_.patches()[part.a]), numberOf(finder_.patches()[part.b]), replicate, uint64_t(d)})
-      hash.add(number);
-    scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
-  }
-  return scrambles;
-}
-
-// Returns the task that draws the lines of one part of a pair.
-LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const {
-  const PatchPair& patches = parts_.pairs[part];
-  const bool is_contact = finder_.patches()[patches.a].plane == finder_.patches()[patches.b].plane;
-  return {.a = patches.a,
-          .b = patches.b,
-          .way = is_contact       ? LineWay::contact
-                 : pair.by_angles ? LineWay::angles
-                                  : LineWay::points,
-          .exchange = patches.exchange,
-          .between = {&parts_.between[patches.first_blocker], patches.blocker_count},
-          .scrambles = scramblesOf(patches, replicate),
-          .end = blocks};
-}
-
-// Returns the variance of a part's visibility if its lines were independent.
-double chanceOf(const DrawnLines& lines) {
-  return lines.all > 0 ? varianceByChance(lines.facing / lines.all, lines.all * lines.all / lines.squares) : 0.25;
-}
-
-// Makes the count of a pair in one replicate from the lines of its parts. In: drawn_of(part): the lines of a part with
-// blockers
-template <class DrawnOf>
-LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const {
-  double facing = 0, all = 0, squares = 0, blockable = 0, spread = 0;
-  uint32_t parts = 0;
-  for (uint32_t k = group.first; k < group.first + group.count; ++k)
-    if (parts_.pairs[k].blocker_count) blockable += parts_.pairs[k].exchange;
-  for (uint32_t k = group.first; k < group.first + group.count; ++k) {
-    if (!parts_.pairs[k].blocker_count) continue;
-    const DrawnLines lines = drawn_of(k);
-    const double weight = parts_.pairs[k].exchange / blockable;
-    facing += weight * lines.facing, all += weight * lines.all, squares += weight * weight * lines.squares;
-    spread += weight * weight * chanceOf(lines);
-    ++parts;
-  }
-  // Counts are integers: weights are scaled so that all lines together weigh kLineUnit on average, and rounded.
-  const double unit = kLineUnit / (LineDrawer::kBlockLines * double(pair.blocks));
-  const double scale = unit * std::min(1.0, kMostLineUnits / std::max(1.0, all * unit));
-  LineCount count{0, blocks, 0, 0, 0};
-  count.facing = static_cast<uint32_t>(std::lround(facing * scale));
-  count.all = static_cast<uint32_t>(std::lround(all * scale));
-  if (!(squares > 0)) return count;
-  double effective = all * all / squares;
-  if (parts > 1) {
-    // Parts have strata of the pair's points: so many lines without strata would have the same variance.
-    const double by_chance = varianceByChance(facing / all, effective);
-    effective = std::max(0.0, by_chance * (effective + 1) / spread - 1);
-  }
-  count.effective = static_cast<uint32_t>(std::min(4e9, std::round(effective * kEffectiveUnit)));
-  return count;
-}
-
-// Draws all lines of a pair in one replicate.
-LineCount PairLines::draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks,
-                          Vectors vectors) const {
-  return combine(pair, group, blocks, [&](uint32_t part) {
-    return drawOnHost(taskOf(pair, part, replicate, blocks), finder_.patches(), finder_.blockers(), vectors);
-  });
-}
-
-// Opens the device and compares some lines with the processor's; where they differ the processor draws all lines.
-void PairLines::openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate) {
-  device_lines_.emplace(*device_, finder_.patches(), finder_.blockers());
-  std::vector<LineTask> tasks;
-  for (size_t k = 0; k < counts.size(); k += counts.size() / kTriedPairs + 1) {
-    const Group& group = groups_[counts[k].pair];
-    for (uint32_t part = group.first; part < group.first + group.count; ++part)
-      if (parts_.pairs[part].blocker_count) tasks.push_back(taskOf(pairs[counts[k].pair], part, replicate, 1));
-  }
-  if (!agree(*device_lines_, tasks, finder_.patches(), finder_.blockers())) device_lines_.reset();
-}
-
-// Draws the lines of pairs on the device, but for parts with too many blockers.    In, out: counts: `pair` is set
-void PairLines::drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate) {
-  std::vector<size_t> first_task(counts.size() + 1);
-  for (size_t k = 0; k < counts.size(); ++k) {
-    const Group& group = groups_[counts[k].pair];
-    first_task[k + 1] = first_task[k];
-    for (uint32_t part = group.first; part < group.first + group.count; ++part)
-      first_task[k + 1] += parts_.pairs[part].blocker_count > 0;
-  }
-  std::vector<LineTask> tasks(first_task.back());
-  const Vectors vectors = widestVectors();
-  std::vector<DrawnLines> on_host(tasks.size());
-  forEach(counts.size(), [&](size_t k) {
-    const Group& group = groups_[counts[k].pair];
-    size_t at = first_task[k];
-    for (uint32_t part = group.first; part < group.first + group.count; ++part) {
-      if (!parts_.pairs[part].blocker_count) continue;
-      LineTask& task = tasks[at];
-      task = taskOf(pairs[counts[k].pair], part, replicate, counts[k].blocks);
-      if (!DeviceLines::takes(task)) {
-        on_host[at] = drawOnHost(task, finder_.patches(), finder_.blockers(), vectors);
-        task.between = {}, task.end = task.first;
-      }
-      ++at;
-    }
-  });
-  const std::vector<DrawnLines> drawn = device_lines_->draw(tasks, stop_);
-  forEach(counts.size(), [&](size_t k) {
-    const uint32_t pair = counts[k].pair;
-    size_t at = first_task[k];
-    counts[k] = combine(pairs[pair], groups_[pair], counts[k].blocks, [&](uint32_t) {
-      const DrawnLines& lines = on_host[at].lines ? on_host[at] : drawn[at];
-      ++at;
-      return lines;
-    });
-    counts[k].pair = pair;
-  });
-}
-
-// Draws on the device. Returns false where the device rounds otherwise or lacks memory; then it is not used again.
-bool PairLines::tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate) {
-  try {
-    if (!device_lines_) openDevice(pairs, counts, replicate);
-    for (size_t first = 0; device_lines_ && first < counts.size(); first += kDeviceChunk)
-      drawOnDevice(pairs, std::span(counts).subspan(first, std::min(kDeviceChunk, counts.size() - first)), replicate);
-  } catch (const Error& error) {
-    if (error.code() != ErrorCode::memory) throw;
-    device_lines_.reset();
-  }
-  if (!device_lines_) device_ = nullptr;
-  return device_lines_.has_value();
-}
-
 std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
   std::vector<Part> found;
   const double unit = scene_.scale * scene_.scale;
@@ -358,11 +215,15 @@ void PairLines::drawStrata(std::span<StrataTask> tasks) const {
   crew_ ? drawStrataOnRanks(tasks) : drawStrataHere(tasks);
 }
 
+// Returns how many of `count` pairs a thread takes at once. A few pairs may need most of the lines, so few pairs are
+// shared out in small chunks.
+size_t PairLines::chunkOf(size_t count) const {
+  return std::clamp<size_t>(count / (threads_ * kChunks), 1, kMostChunk);
+}
+
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
-  // A few pairs may need most of the lines, so few pairs are shared out in small chunks.
-  const size_t chunk = std::clamp<size_t>(count / (threads_ * kChunks), 1, kMostChunk);
   shareOut(
-      threads_, count, chunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
+      threads_, count, chunkOf(count), [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
 }
 
 // Returns the largest part of a pair, as a share of all parts that something may block.
@@ -389,14 +250,16 @@ double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vect
   if (goal >= kCertainError) return kPilotLines;
   const double agreeing = kAgreeingLines * largestShareOf(group) / goal;
   LineSums::PairSum sum;
+  std::optional<Drawer> drawer(std::in_place, *this, pair, group);
   const auto pilot = [&](uint32_t first, uint32_t end) {
     for (uint32_t p = first; p < end; ++p)
-      LineSums::addTo(sum, draw(pair, group, kLineReplicates.first + p, pair.blocks, vectors));
+      LineSums::addTo(sum, drawer->draw(kLineReplicates.first + p, pair.blocks, vectors));
   };
   const auto takeBetterWay = [&](uint32_t pilots) {
     if (pair.by_angles || group.is_cut || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines)
       return;
     pair.by_angles = true;
+    drawer.emplace(*this, pair, group);
     sum = {};
     pilot(0, pilots);
   };
@@ -439,30 +302,6 @@ void PairLines::planHere(std::span<LinePair> pairs, size_t first, std::span<cons
     pair.blocks = static_cast<uint32_t>(std::min(double(kMostLineBlocks), std::max(1.0, std::ceil(blocks))));
     while (2 * pair.period <= std::min(kMostPeriod, replicates) && 2 * pair.period * blocks <= 1) pair.period *= 2;
   });
-}
-
-LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times) {
-  return crew_ ? countOnRanks(pairs, replicate, times) : countHere(pairs, {0, pairs.size()}, replicate, times);
-}
-
-// Counts some of the pairs.    In: range: of their numbers; times: of all pairs, or empty
-LineCounts PairLines::countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
-                                std::span<const uint32_t> times) {
-  std::vector<uint32_t> due;
-  for (auto k = static_cast<uint32_t>(range.first); k < range.second; ++k)
-    if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k]) due.push_back(k);
-  LineCounts counts(due.size());
-  for (size_t k = 0; k < due.size(); ++k) {
-    counts[k].pair = due[k];
-    counts[k].blocks = std::min(pairs[due[k]].blocks * (times.empty() ? 1 : times[due[k]]), kMostLineBlocks);
-  }
-  if (device_ && tryDevice(pairs, counts, replicate)) return counts;
-  const Vectors vectors = widestVectors();
-  forEach(due.size(), [&](size_t k) {
-    counts[k] = draw(pairs[due[k]], groups_[due[k]], replicate, counts[k].blocks, vectors);
-    counts[k].pair = due[k];
-  });
-  return counts;
 }
 
 }  // namespace viewpeel

@@ -112,6 +112,10 @@ class PairLines {
   //   this replicate. Where `times` is empty, a pair draws them once in pair.period replicates
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times = {});
+  // Draws the lines of several replicates, each as count() does. Threads prepare a pair only once, which saves a third
+  // of the time of few lines.
+  //   In: replicate: the first    Out: counts of each replicate
+  std::vector<LineCounts> countAhead(std::span<const LinePair> pairs, uint64_t replicate, size_t replicates);
 
   // A Part is two patches of a pair of faces that something may block.
   struct Part {
@@ -143,7 +147,18 @@ class PairLines {
     bool is_cut = false;
     bool has_back = false;  // whether the pair is one of a face and a back
   };
-  LineCount draw(const LinePair& pair, const Group& group, uint64_t replicate, uint32_t blocks, Vectors vectors) const;
+  // A Drawer holds the parts of one pair, ready to draw the lines of any replicate on the processor.
+  class Drawer {
+   public:
+    Drawer(const PairLines& lines, const LinePair& pair, const Group& group);  // all are kept by reference
+    LineCount draw(uint64_t replicate, uint32_t blocks, Vectors vectors) const;
+
+   private:
+    const PairLines& lines_;
+    const LinePair& pair_;
+    const Group& group_;
+    std::vector<LineDrawer> of_parts_;  // of the parts that something may block
+  };
   UniformLines uniformLinesOf(const PatchPair& part) const;
   uint64_t streamOf(const PatchPair& part, uint64_t series) const;
   LineTask taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const;
@@ -182,6 +197,7 @@ class PairLines {
   static constexpr double kHasPlan = -1;  // in place of a goal, which is above 0: the pair keeps its plan
   void planGoals(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
+  size_t chunkOf(size_t count) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 
   const Scene& scene_;

@@ -32,6 +32,9 @@ struct Patch {
   double area = 0;
 };
 
+// Returns a number of its own for each patch, the same for every order of patches.
+inline uint64_t numberOf(const Patch& patch) { return patch.side + (uint64_t(patch.cut - 1) << 32); }
+
 // Cuts a patch in two, across its longer way: a quadrilateral between the middles of its two longer opposite sides, a
 // triangle from the middle of its longest side to the opposite corner.
 std::array<Patch, 2> halvesOf(const Patch& patch);
