@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <viewpeel/engine.h>
-#include "engines/vectorised.h"
+#include "vectorised.h"
 #include <viewpeel/ids.h>
 
 namespace viewpeel {

@@ -15,10 +15,10 @@
 
 #include <viewpeel/result.h>
 
-#include "engines/vectorised.h"
 #include "estimator/strata_bounds.h"
 #include "pair_lines/pair_lines.h"
 #include "sums/run_sums.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 

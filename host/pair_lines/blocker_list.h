@@ -1,6 +1,7 @@
 // A BlockerList holds the bounding boxes of blockers in groups of eight, one coordinate after the other, so that one
 // vector instruction tests eight boxes.
 #pragma once
+#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -71,10 +72,9 @@ VIEWPEEL_INLINE void forEachOnLine(const BlockerList& list, const glm::dvec3& p,
                     other = (load<Doubles>(group.bounds[3 + axis]) - p[axis]) * per_length[axis];
       enters = greatest(enters, least(one, other)), leaves = least(leaves, greatest(one, other));
     }
-    const Doubles inside = leaves - enters;
-    for (int k = 0; k < kBlockerLanes; ++k) {
-      if (!(inside[k] >= -touching) || group.indices[k] == UINT32_MAX) continue;
-      if (is_last(group.indices[k])) return;
+    for (uint32_t met = bitsAtMost(enters - leaves, touching); met; met &= met - 1) {
+      const uint32_t index = group.indices[std::countr_zero(met)];
+      if (index != UINT32_MAX && is_last(index)) return;
     }
   }
 }

@@ -22,8 +22,8 @@
 #include <span>
 #include <vector>
 
-#include "engines/vectorised.h"
 #include "pair_lines/line_ends.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 

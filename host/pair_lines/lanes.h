@@ -10,7 +10,7 @@
 #include <cstring>
 #include <utility>
 
-#include "engines/vectorised.h"
+#include "vectorised.h"
 
 #if defined(__GNUC__)
 #pragma GCC diagnostic ignored "-Wpsabi"  // every function that passes lanes is inlined
@@ -156,16 +156,21 @@ VIEWPEEL_INLINE Number sizeOf(const Number& x) {
   return ifBelow(x, Number{}, -x, x);
 }
 
-// Returns the largest lane.
+// Returns a word with bit k set where lane k is at most the limit, and a number.
 template <class Doubles>
-VIEWPEEL_INLINE double largestOf(const Doubles& x) {
-  const double a = x[0] > x[1] ? x[0] : x[1], b = x[2] > x[3] ? x[2] : x[3], c = x[4] > x[5] ? x[4] : x[5],
-               d = x[6] > x[7] ? x[6] : x[7], e = a > b ? a : b, f = c > d ? c : d;
-  return e > f ? e : f;
-}
-template <class Doubles>
-VIEWPEEL_INLINE double leastOf(const Doubles& x) {
-  return -largestOf(-x);
+VIEWPEEL_INLINE uint32_t bitsAtMost(const Doubles& x, double limit) {
+  constexpr int kInPiece = Doubles::kInPiece;
+  using Bits = typename LanesOf<int64_t, kBlockerLanes, int(sizeof(typename Doubles::Piece))>::Piece;
+  Bits of_lanes;
+  for (int k = 0; k < kInPiece; ++k) of_lanes[k] = 1 << k;
+  uint32_t bits = 0;
+  for (int piece = 0; piece < Doubles::kPieces; ++piece) {
+    const Bits kept = (Bits)(x.of[piece] <= limit) & of_lanes;
+    uint64_t of_piece = 0;
+    for (int k = 0; k < kInPiece; ++k) of_piece |= static_cast<uint64_t>(kept[k]);
+    bits |= static_cast<uint32_t>(of_piece) << (piece * kInPiece);
+  }
+  return bits;
 }
 
 // Returns whether any lane is not 0.

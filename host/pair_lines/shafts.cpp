@@ -1,6 +1,7 @@
 #include "pair_lines/shafts.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include <glm/glm.hpp>
@@ -23,6 +24,23 @@ constexpr double kInPlane = 2 * kCoincidenceReach;
 template <class Doubles>
 VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker) {
   return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
+}
+
+constexpr uint32_t kAllBlockerLanes = 0xFF, kLanesOfA = 0x0F, kLanesOfB = 0xF0;
+
+// Sides say which corners of two patches lie above and below a blocker's plane: bits 0 to 3 are corners of a, 4 to 7
+// corners of b.
+struct Sides {
+  uint32_t above, below;
+  // Returns whether a lies on one side of the plane and b on the other.
+  bool areBetween() const { return sideOf(kLanesOfA) * sideOf(kLanesOfB) < 0; }
+  // Returns 1 where these corners lie above the plane, -1 where below, and 0 where on both sides of it or within it.
+  int sideOf(uint32_t lanes) const { return int((above & lanes) != 0) - int((below & lanes) != 0); }
+};
+
+template <class Doubles>
+VIEWPEEL_INLINE Sides sidesOf(const Doubles& heights) {
+  return {bitsAtMost(-heights, -kTouchingShaft), bitsAtMost(heights, -kTouchingShaft)};
 }
 
 // A Tangent is a plane through an edge of a patch. The patch lies on its inner side, and so do all points of the other
@@ -138,8 +156,8 @@ template <class Doubles>
                               plane.normal[2] * load<Doubles>(group.bounds[plane.bounds[2]]) - plane.offset;
       outside = greatest(outside, nearest);
     }
-    for (int k = 0; k < kBlockerLanes; ++k)
-      if (outside[k] < -kTouchingShaft) to.add(group, k);
+    for (uint32_t inside = bitsAtMost(outside, -kTouchingShaft); inside; inside &= inside - 1)
+      to.add(group, std::countr_zero(inside));
   }
 }
 
@@ -161,10 +179,9 @@ template <class Doubles>
   for (int axis = 0; axis < 3; ++axis)
     first[axis] = load<Doubles>(first_[axis]), second[axis] = load<Doubles>(second_[axis]);
   const Doubles from = heightsOf(first, blocker), to = heightsOf(second, blocker);
-  const double least_from = leastOf(from), largest_from = largestOf(from), least_to = leastOf(to),
-               largest_to = largestOf(to);
-  const bool is_between =
-      (least_from > kInPlane && largest_to < -kInPlane) || (largest_from < -kInPlane && least_to > kInPlane);
+  const auto isAbove = [](const Doubles& heights) { return bitsAtMost(heights, kInPlane) == 0; };
+  const auto isBelow = [](const Doubles& heights) { return bitsAtMost(heights, -kInPlane) == kAllBlockerLanes; };
+  const bool is_between = (isAbove(from) && isBelow(to)) || (isBelow(from) && isAbove(to));
   if (!is_between) return false;
   for (int i = 0; i < count_; ++i) {
     const double p[3] = {first_[0][i], first_[1][i], first_[2][i]}, height = from[i];
@@ -175,7 +192,7 @@ template <class Doubles>
       const dvec3& m = blocker.edge_normals[e];
       beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
     }
-    if (!(largestOf(beyond) <= 0)) return false;
+    if (bitsAtMost(beyond, 0) != kAllBlockerLanes) return false;
   }
   return true;
 }
@@ -279,7 +296,7 @@ template <class Doubles>
                              load<Doubles>(z + at) * corner.z + load<Doubles>(w + at);
       nearest[half] = least(nearest[half], beyond);
     }
-  return largestOf(greatest(nearest[0], nearest[1])) >= -kTouchingShaft;
+  return bitsAtMost(greatest(nearest[0], nearest[1]), -kTouchingShaft) != kAllBlockerLanes;
 }
 
 template <class Doubles>
@@ -289,17 +306,10 @@ template <class Doubles>
   return heightsOf(corners, blocker);
 }
 
-// Returns whether the blocker hides all of b from a.
+// Returns whether the blocker, whose plane lies between a and b, hides all of b from a.
 //   In: heights: of the eight corners over the blocker's plane, four of a and four of b
 template <class Doubles>
 [[gnu::always_inline]] inline bool PatchShaft::hides(const Blocker& blocker, const Doubles& heights) const {
-  int above_a = 0, above_b = 0, below_a = 0, below_b = 0;
-  for (int k = 0; k < 4; ++k) {
-    above_a += heights[k] > kTouchingShaft, below_a += heights[k] < -kTouchingShaft;
-    above_b += heights[4 + k] > kTouchingShaft, below_b += heights[4 + k] < -kTouchingShaft;
-  }
-  const bool is_between = (above_a && !below_a && below_b && !above_b) || (below_a && !above_a && above_b && !below_b);
-  if (!is_between) return false;
   Doubles corners[3];
   for (int axis = 0; axis < 3; ++axis) corners[axis] = load<Doubles>(corners_[axis]);
   for (int i = 0; i < 4; ++i) {
@@ -316,8 +326,7 @@ template <class Doubles>
                          m.z * (p[2] + t * (corners[2] - p[2])) - blocker.edge_offsets[e];
       beyond = greatest(beyond, at);
     }
-    for (int j = 4; j < 8; ++j)
-      if (!(beyond[j] <= kTouchingShaft)) return false;
+    if ((bitsAtMost(beyond, kTouchingShaft) & kLanesOfB) != kLanesOfB) return false;
   }
   return true;
 }
@@ -327,7 +336,8 @@ bool PatchShaft::isHiddenBy(const Blocker& blocker, Vectors vectors) const {
   bool is_hidden = false;
   runInLanes(
       vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
-        is_hidden = hides(blocker, heightsOver<typename Types::Doubles>(blocker));
+        const auto heights = heightsOver<typename Types::Doubles>(blocker);
+        is_hidden = sidesOf(heights).areBetween() && hides(blocker, heights);
       });
   return is_hidden;
 }
@@ -360,15 +370,15 @@ template <class Doubles>
       outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +
                                       planes_[1][p] * load<Doubles>(group.bounds[bounds[1][p]]) +
                                       planes_[2][p] * load<Doubles>(group.bounds[bounds[2][p]]) + planes_[3][p]);
-    for (int k = 0; k < kBlockerLanes; ++k) {
-      if (!(outside[k] < -kTouchingShaft)) continue;
-      const Blocker& blocker = blockers[group.indices[k]];
+    for (uint32_t inside = bitsAtMost(outside, -kTouchingShaft); inside; inside &= inside - 1) {
+      const uint32_t index = group.indices[std::countr_zero(inside)];
+      const Blocker& blocker = blockers[index];
       if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
       const Doubles heights = heightsOver<Doubles>(blocker);
-      if (largestOf(heights) <= kTouchingShaft || leastOf(heights) >= -kTouchingShaft) continue;
-      if (isOutside<Doubles>(blocker)) continue;
-      between.push_back(group.indices[k]);
-      if (hides(blocker, heights)) return true;
+      const Sides sides = sidesOf(heights);
+      if (!sides.above || !sides.below || isOutside<Doubles>(blocker)) continue;
+      between.push_back(index);
+      if (sides.areBetween() && hides(blocker, heights)) return true;
     }
   }
   return false;
@@ -399,8 +409,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
         using Doubles = typename Types::Doubles;
         Doubles p[3], q[3];
         for (int axis = 0; axis < 3; ++axis) p[axis] = load<Doubles>(starts[axis]), q[axis] = load<Doubles>(ends[axis]);
-        // A lane is above 0 where no blocker lies on its line.
-        Doubles is_free = 1;
+        uint32_t free = kAllBlockerLanes;  // lines on which no blocker lies so far
         for (const uint32_t index : between) {
           const Blocker& blocker = blockers[index];
           const Doubles from = heightsOf(p, blocker), to = heightsOf(q, blocker), t = from / (from - to);
@@ -410,9 +419,10 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
             const dvec3& m = blocker.edge_normals[e];
             beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
           }
-          is_free = ifBelow(beyond, Doubles(kTouchingShaft), Doubles{}, is_free);
+          free &= ~bitsAtMost(beyond, kTouchingShaft);
+          if (free == 0) break;
         }
-        are_blocked = largestOf(is_free) <= 0;
+        are_blocked = free == 0;
       });
   return are_blocked;
 }

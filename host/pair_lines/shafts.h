@@ -10,10 +10,10 @@
 #include <span>
 #include <vector>
 
-#include "engines/vectorised.h"
 #include "pair_lines/blocker_list.h"
 #include "pair_lines/lanes.h"
 #include "pair_lines/patches.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 

@@ -15,8 +15,8 @@
 #include <span>
 #include <vector>
 
-#include "engines/vectorised.h"
 #include "pair_lines/line_ends.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 

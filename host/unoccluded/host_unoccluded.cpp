@@ -6,11 +6,12 @@
 
 #include <glm/glm.hpp>
 
+#include "threads.h"
 #include "unoccluded/edge_integrals.h"
 #include "unoccluded/far_rules.h"
 #include "unoccluded/front_parts.h"
 #include "unoccluded/shared.h"
-#include "threads.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 
@@ -205,11 +206,13 @@ uint32_t HostUnoccluded::chooseRule(const Sides& sides, double& far_error) const
 
 // Returns the exchange area by a product Gauss rule: docs/method.md, eq. (35).
 double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
+  // Points of b fill whole vectors: after the last point come copies of the first, whose sums are not used.
+  constexpr size_t kLanes = 8, kMostPoints = (kMostFar * kMostFar + kLanes - 1) / kLanes * kLanes;
   struct Points {
-    std::array<double, kMostFar * kMostFar> x, y, z, weight;
+    std::array<double, kMostPoints> x, y, z, weight;
   };
   const std::vector<Point>& points = far_points_[rule];
-  const size_t count = points.size() * points.size();
+  const size_t count = points.size() * points.size(), padded = (count + kLanes - 1) / kLanes * kLanes;
   const auto fill = [&](const Patch& patch, const dvec3& middle, Points& all) {
     size_t k = 0;
     for (const Point& u : points)
@@ -228,16 +231,25 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   Points over_a, over_b;
   fill(patchOf(sides.a, sides.depths_a), dvec3(0), over_a);
   fill(patchOf(sides.b, sides.depths_b), meanCorner(sides.b) - meanCorner(sides.a), over_b);
+  for (size_t m = count; m < padded; ++m)
+    over_b.x[m] = over_b.x[0], over_b.y[m] = over_b.y[0], over_b.z[m] = over_b.z[0];
+  std::array<double, kMostPoints> sums{};  // by point of b
+  runVectorised(
+      widestVectors(), [&]() __attribute__((always_inline)) {
+        const double *x = over_b.x.data(), *y = over_b.y.data(), *z = over_b.z.data();
+        double* sum = sums.data();
+        for (size_t k = 0; k < count; ++k) {
+          const double from_x = over_a.x[k], from_y = over_a.y[k], from_z = over_a.z[k], weight = over_a.weight[k];
+          VIEWPEEL_INDEPENDENT
+          for (size_t m = 0; m < padded; ++m) {
+            const double dx = x[m] - from_x, dy = y[m] - from_y, dz = z[m] - from_z,
+                         square = dx * dx + dy * dy + dz * dz;
+            sum[m] += weight / (square * square);
+          }
+        }
+      });
   double sum = 0;
-  for (size_t k = 0; k < count; ++k) {
-    double inner = 0;
-    for (size_t m = 0; m < count; ++m) {
-      const double dx = over_b.x[m] - over_a.x[k], dy = over_b.y[m] - over_a.y[k], dz = over_b.z[m] - over_a.z[k],
-                   square = dx * dx + dy * dy + dz * dz;
-      inner += over_b.weight[m] / (square * square);
-    }
-    sum += over_a.weight[k] * inner;
-  }
+  for (size_t m = 0; m < count; ++m) sum += over_b.weight[m] * sums[m];
   return sum / kPi;
 }
 
