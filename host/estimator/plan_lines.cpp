@@ -39,12 +39,13 @@ class AllowedErrors {
         row_parts_(is_open && options.tolerance ? ids.count() : 0) {
     for (const LinePair& pair : pairs) {
       const Key key = entryOf(pair, face_ids, options.by);
+      const double part = partOf(pair);
       for (const uint32_t id : {key.first, key.second})
-        if (hasGoal(id)) row_parts_[id] += partOf(pair);
+        if (hasGoal(id)) row_parts_[id] += part;
       if (key == Key(pair.i, pair.j)) continue;
       Sum& sum = sums_[key];
       sum.exchange += pair.exchange;
-      sum.parts += partOf(pair);
+      sum.parts += part;
     }
   }
 
@@ -52,16 +53,17 @@ class AllowedErrors {
   double of(const LinePair& pair) const {
     const Key key = entryOf(pair, face_ids_, options_.by);
     const double area = ids_.smallerArea(key.first, key.second), errors = errors_in_goal_.of(key.second);
+    const double part = partOf(pair);
     const auto sum = sums_.find(key);
     double allowed = sum == sums_.end() ? allowedBy(options_, pair.exchange, area) / errors
                                         : allowedBy(options_, sum->second.exchange, area) / errors *
-                                              std::sqrt(partOf(pair) / sum->second.parts);
+                                              std::sqrt(part / sum->second.parts);
     // A pair within one row exchanges both ways, and has been added to the row twice.
     const double ways = key.first == key.second ? 2 : 1;
     for (const uint32_t id : {key.first, key.second})
       if (hasGoal(id) && row_parts_[id] > 0)
         allowed = std::min(allowed, *options_.tolerance * ids_.areas[id] / errors_in_goal_.of(kEnvironment) *
-                                        std::sqrt(partOf(pair) / (ways * row_parts_[id])));
+                                        std::sqrt(part / (ways * row_parts_[id])));
     return allowed;
   }
 

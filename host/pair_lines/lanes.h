@@ -35,9 +35,15 @@ struct LanesOf {
   Piece of[kPieces] = {};
 
   LanesOf() = default;
-  // Makes lanes that all hold x.
+  // Makes lanes that all hold x. GCC turns a shuffle into one broadcast; a list {x, x, ...} it writes lane by lane where
+  // the function around is not compiled for such vectors, as here, where it is inlined later (tree-vect-generic.cc).
   VIEWPEEL_INLINE LanesOf(Number x) {
-    *this = make([&](int) __attribute__((always_inline)) { return x - Piece{}; });
+    const Piece first{x};
+    const Piece all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+      return __builtin_shufflevector(first, first, (0 * k)...);
+    }
+    (std::make_integer_sequence<int, kInPiece>{});
+    for (Piece& piece : of) piece = all;
   }
   // Makes lanes whose piece k is piece_of(k).
   template <class PieceOf>
@@ -161,16 +167,15 @@ template <class Doubles>
 VIEWPEEL_INLINE uint32_t bitsAtMost(const Doubles& x, double limit) {
   constexpr int kInPiece = Doubles::kInPiece;
   using Bits = typename LanesOf<int64_t, kBlockerLanes, int(sizeof(typename Doubles::Piece))>::Piece;
-  Bits of_lanes;
-  for (int k = 0; k < kInPiece; ++k) of_lanes[k] = 1 << k;
-  uint32_t bits = 0;
+  Bits all{};
   for (int piece = 0; piece < Doubles::kPieces; ++piece) {
-    const Bits kept = (Bits)(x.of[piece] <= limit) & of_lanes;
-    uint64_t of_piece = 0;
-    for (int k = 0; k < kInPiece; ++k) of_piece |= static_cast<uint64_t>(kept[k]);
-    bits |= static_cast<uint32_t>(of_piece) << (piece * kInPiece);
+    Bits of_lanes;
+    for (int k = 0; k < kInPiece; ++k) of_lanes[k] = 1 << (piece * kInPiece + k);
+    all |= (Bits)(x.of[piece] <= limit) & of_lanes;
   }
-  return bits;
+  int64_t bits = 0;
+  for (int k = 0; k < kInPiece; ++k) bits |= all[k];
+  return static_cast<uint32_t>(bits);
 }
 
 // Returns whether any lane is not 0.

@@ -110,7 +110,7 @@ LineVariances variancesOf(const LineSums::PairSum& sum) {
   found.by_chance = varianceByChance(visibility, found.lines);
   // D of eq. (47): even lines err less, but not where few are of the rarer kind.
   const double deciding = std::max(1.0, 4 * found.by_chance * (found.lines + 1) * double(sum.blocks));
-  found.expected = std::pow(deciding, -0.25) * found.by_chance;
+  found.expected = found.by_chance / std::sqrt(std::sqrt(deciding));
   // Replicates of different sizes count as this number of replicates of one size.
   const double sizes = all * all / (256 * double(sum.all_squares)),
                replicates = std::min(double(sum.replicates), sizes);
