@@ -314,7 +314,8 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, d
     between_count += part.between.size();
   }
   std::partial_sum(ends.begin(), ends.end(), ends.begin());
-  all.pairs.resize(ends.back()), all.between.reserve(between_count);
+  all.pairs.resize(ends.back());
+  all.between.reserve(static_cast<size_t>(kRoomForCuts * double(between_count)));
   for (PatchPairs& part : parts) {
     const auto offset = static_cast<uint32_t>(all.between.size());
     for (PatchPair pair : part.pairs) {

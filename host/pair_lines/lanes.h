@@ -35,8 +35,8 @@ struct LanesOf {
   Piece of[kPieces] = {};
 
   LanesOf() = default;
-  // Makes lanes that all hold x. GCC turns a shuffle into one broadcast; a list {x, x, ...} it writes lane by lane where
-  // the function around is not compiled for such vectors, as here, where it is inlined later (tree-vect-generic.cc).
+  // Makes lanes that all hold x. GCC turns a shuffle into one broadcast. A list {x, x, ...} it lowers to single lanes
+  // (tree-vect-generic.cc) before the function is inlined where such vectors are.
   VIEWPEEL_INLINE LanesOf(Number x) {
     const Piece first{x};
     const Piece all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {

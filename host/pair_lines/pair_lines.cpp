@@ -95,7 +95,10 @@ void PairLines::leaveOut(std::vector<LinePair>& pairs, double least_form_factor)
 
 // Forgets the patches of pairs that nothing can block. They have no lines, and most pairs of a large scene are such.
 void PairLines::forgetClearParts() {
+  size_t partial = 0;
+  for (const PatchPair& part : parts_.pairs) partial += part.blocker_count > 0;
   std::vector<PatchPair> kept;
+  kept.reserve(static_cast<size_t>(kRoomForCuts * double(partial)));
   for (Group& group : groups_) {
     const auto parts = std::span(parts_.pairs).subspan(group.first, isPartial(group) ? group.count : 0);
     group.first = static_cast<uint32_t>(kept.size()), group.count = static_cast<uint32_t>(parts.size());
