@@ -41,10 +41,7 @@ std::string describeGuarantee(const Request& request, const PlanSummary& plan) {
   if (plan.unoccluded)
     text += fmt::format("unoccluded form factors of {} pairs of polygons, visibilities of {} from a pilot\n",
                         plan.unoccluded_pairs, plan.pairs_with_visibility);
-  return text + fmt::format(
-                    "beside     directions: Hoeffding {}; Pellegrini's Lemma 1 {:.3g} for one pair, {:.3g} for all; "
-                    "median of runs {:.3g}\n",
-                    g.hoeffding, g.lemma_1, g.lemma_1_all, double(g.runs) * double(g.run_directions));
+  return text;
 }
 
 constexpr const char* kAllExact = "no lines or directions: geometry gives every form factor";
@@ -53,24 +50,19 @@ constexpr const char* kAllExact = "no lines or directions: geometry gives every 
 std::string describeLines(const PlanSummary& plan, uint64_t seed) {
   const LineGuaranteeFigures& g = *plan.line_guarantee;
   if (g.drawn == 0 && g.bounded == 0)
-    return fmt::format("plan       {}; found out in {}; seed {}\n",
+    return fmt::format("plan       {}; planned in {}; seed {}\n",
                        plan.directions
                            ? fmt::format("no lines: geometry gives every form factor between rows; {} a replicate "
                                          "see what leaves the scene or ends on backs",
                                          counted(plan.directions, "direction"))
                            : kAllExact,
                        inWords(g.plan_seconds), seed);
-  std::string text = fmt::format(
-      "plan       {:.2g} lines at most ({}), {:.2g} expected ({}); found out in {}; seed {}\n", g.most_lines,
-      inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds), inWords(g.plan_seconds), seed);
+  std::string text = fmt::format("plan       {:.2g} lines at most ({}), {:.2g} expected ({}); planned in {}; seed {}\n",
+                                 g.most_lines, inWords(g.most_seconds), g.expected_lines, inWords(g.expected_seconds),
+                                 inWords(g.plan_seconds), seed);
   if (g.drawn)
     text += fmt::format("           most of all for {} and {}: {:.2g}\n", g.neediest.first, g.neediest.second,
                         g.most_for_one);
-  if (g.delta > 0)
-    text += fmt::format(
-        "beside     directions of Pellegrini's Lemma 1: {:.3g} for one pair, {:.3g} for all; of the median of runs "
-        "{:.3g}\n",
-        g.lemma_1, g.lemma_1_all, g.median_directions);
   return text;
 }
 
@@ -97,7 +89,7 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;
   std::string text = fmt::format(
-      "expected   largest standard error {:.1e}{} after {} replicates, counted in {} (found out in {}); the same "
+      "expected   largest standard error {:.1e}{} after {} replicates, counted in {} (planned in {}); the same "
       "again: {}\n",
       plan.standard_error, std::holds_alternative<Relative>(request.goal) ? " of its form factor" : "", replicates,
       inWords(plan.seconds), inWords(plan.pilot_seconds), optionsOf(plan));
@@ -168,6 +160,21 @@ std::string describePlan(const FormFactorRun& run) {
          describeExpectation(request, plan);
 }
 
+std::string describeAlternatives(const PlanSummary& plan) {
+  if (const auto& g = plan.guarantee)
+    return fmt::format(
+        "instead    by Hoeffding's bound {} directions; by Pellegrini's Lemma 1 {:.3g} for one pair and {:.3g} for "
+        "all; "
+        "by his median of runs {:.3g}\n",
+        g->hoeffding, g->lemma_1, g->lemma_1_all, double(g->runs) * double(g->run_directions));
+  if (const auto& g = plan.line_guarantee; g && g->drawn + g->bounded > 0 && g->delta > 0)
+    return fmt::format(
+        "instead    directions: by Pellegrini's Lemma 1 {:.3g} for one pair and {:.3g} for all; by his median of runs "
+        "{:.3g}\n",
+        g->lemma_1, g->lemma_1_all, g->median_directions);
+  return "";
+}
+
 std::string describePrior(const PriorSummary& prior) {
   std::string text =
       fmt::format("unoccluded form factors of {} of polygons in {}; {} of them never blocked in a pilot of {}{}\n",
@@ -177,7 +184,7 @@ std::string describePrior(const PriorSummary& prior) {
   const uint64_t directed = prior.directed_pairs;
   if (directed)
     text += fmt::format(
-        "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (found out in {})\n",
+        "directed   {} that the others hardly meet {} directions of {} own, {} a replicate in all (planned in {})\n",
         counted(directed, "pair"), directed == 1 ? "has" : "have", directed == 1 ? "its" : "their",
         prior.directed_directions, inWords(prior.directed_seconds));
   return text;

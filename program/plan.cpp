@@ -33,7 +33,8 @@ int runPlan(const ComputeOptions& options) {
   std::optional<CheckpointKeeper> keeper;
   if (options.keepsCheckpoint()) keeper.emplace(options.checkpoint, run);
   const PlanSummary& plan = run.makePlan();
-  if (options.talks()) fmt::print("{}{}", describePlan(run), keeper ? keeper->describe() : "");
+  if (options.talks())
+    fmt::print("{}{}{}", describePlan(run), describeAlternatives(plan), keeper ? keeper->describe() : "");
   const double seconds = run.measureSeconds();
   run.checkDevice();
   if (options.json) {

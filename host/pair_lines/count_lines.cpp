@@ -2,6 +2,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <numeric>
+#include <utility>
 
 #include <viewpeel/error.h>
 #include "hash.h"
@@ -13,6 +16,10 @@ namespace {
 
 constexpr size_t kDeviceChunk = 1 << 16;  // pairs whose tasks are made at once
 constexpr size_t kTriedPairs = 64;
+// A thread takes this many pairs at once, or fewer where their lines cost more than so many blocks of lines past one
+// blocker, which take some 2 ms.
+constexpr size_t kTaskPairs = 64;
+constexpr double kTaskCost = 5e4;
 
 // Returns the variance of a part's visibility if its lines were independent.
 double chanceOf(const DrawnLines& lines) {
@@ -180,47 +187,71 @@ LineCounts PairLines::countHere(std::span<const LinePair> pairs, std::pair<size_
     counts[k].blocks = std::min(pairs[due[k]].blocks * (times.empty() ? 1 : times[due[k]]), kMostLineBlocks);
   }
   if (device_ && tryDevice(pairs, counts, replicate)) return counts;
-  const Vectors vectors = widestVectors();
-  forEach(due.size(), [&](size_t k) {
-    const LinePair& pair = pairs[due[k]];
-    counts[k] = Drawer(*this, pair, groups_[due[k]]).draw(replicate, counts[k].blocks, vectors);
-    counts[k].pair = due[k];
-  });
-  return counts;
+  return std::move(drawOnThreads(pairs, counts, replicate, 1, !times.empty())[0]);
 }
 
 std::vector<LineCounts> PairLines::countAhead(std::span<const LinePair> pairs, uint64_t replicate, size_t replicates) {
-  std::vector<LineCounts> all(replicates);
   if (crew_ || device_) {
-    for (size_t r = 0; r < replicates; ++r) all[r] = count(pairs, replicate + r);
+    std::vector<LineCounts> all;
+    for (size_t r = 0; r < replicates; ++r) all.push_back(count(pairs, replicate + r));
     return all;
   }
-  std::vector<uint32_t> due;
+  LineCounts due;
   for (uint32_t k = 0; k < pairs.size(); ++k)
-    if (pairs[k].blocks) due.push_back(k);
-  // Each chunk of pairs has counts of its own, by replicate. They are put together in order.
-  const size_t chunk = chunkOf(due.size()), chunks = (due.size() + chunk - 1) / chunk;
-  std::vector<std::vector<LineCounts>> of_chunks(chunks, std::vector<LineCounts>(replicates));
+    if (pairs[k].blocks) due.push_back({k, pairs[k].blocks, 0, 0, 0});
+  return drawOnThreads(pairs, due, replicate, replicates, false);
+}
+
+// Draws lines on threads, of several replicates.
+//   In: due: the pairs, with their blocks in a replicate; is_further: whether a pair has lines in all these replicates,
+//   and not only in those of its period    Out: counts of each replicate, in the order of `due`
+std::vector<LineCounts> PairLines::drawOnThreads(std::span<const LinePair> pairs, const LineCounts& due,
+                                                 uint64_t replicate, size_t replicates, bool is_further) const {
+  // A Task is a range of `due`, in a range of the replicates.
+  struct Task {
+    size_t first, end, first_replicate, end_replicate;
+    double cost;
+    std::vector<LineCounts> counts;  // by replicate
+  };
+  // A few pairs may need most of the lines. Each of them is a task of its own in each replicate.
+  std::vector<Task> tasks;
+  for (size_t k = 0; k < due.size(); ++k) {
+    const double cost = costOf(groups_[due[k].pair]) * due[k].blocks;
+    if (cost >= kTaskCost)
+      for (size_t r = 0; r < replicates; ++r) tasks.push_back({k, k + 1, r, r + 1, cost, {}});
+    else if (tasks.empty() || tasks.back().cost >= kTaskCost || tasks.back().end - tasks.back().first == kTaskPairs)
+      tasks.push_back({k, k + 1, 0, replicates, cost * double(replicates), {}});
+    else tasks.back().end = k + 1, tasks.back().cost += cost * double(replicates);
+  }
+  std::vector<size_t> order(tasks.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::ranges::stable_sort(order, std::greater(), [&](size_t t) { return tasks[t].cost; });
   const Vectors vectors = widestVectors();
   shareOut(
-      threads_, chunks, 1,
-      [&](size_t, size_t c) {
-        for (const uint32_t k : std::span(due).subspan(c * chunk, std::min(chunk, due.size() - c * chunk))) {
-          const Drawer drawer(*this, pairs[k], groups_[k]);
-          for (size_t r = 0; r < replicates; ++r)
-            if (pairs[k].hasLines(replicate + r)) {
-              LineCounts& counts = of_chunks[c][r];
-              counts.push_back(drawer.draw(replicate + r, pairs[k].blocks, vectors));
-              counts.back().pair = k;
-            }
+      threads_, order.size(), 1,
+      [&](size_t, size_t at) {
+        Task& task = tasks[order[at]];
+        task.counts.resize(task.end_replicate - task.first_replicate);
+        for (size_t k = task.first; k < task.end; ++k) {
+          const LinePair& pair = pairs[due[k].pair];
+          const Drawer drawer(*this, pair, groups_[due[k].pair]);
+          for (size_t r = task.first_replicate; r < task.end_replicate; ++r) {
+            if (!is_further && !pair.hasLines(replicate + r)) continue;
+            LineCount count = drawer.draw(replicate + r, due[k].blocks, vectors);
+            count.pair = due[k].pair;
+            task.counts[r - task.first_replicate].push_back(count);
+          }
         }
       },
       [&](size_t) { stopIfRequested(); });
-  for (std::vector<LineCounts>& of_chunk : of_chunks)
-    for (size_t r = 0; r < replicates; ++r) {
-      all[r].insert(all[r].end(), of_chunk[r].begin(), of_chunk[r].end());
-      of_chunk[r] = {};
+  std::vector<LineCounts> all(replicates);
+  for (Task& task : tasks) {
+    for (size_t r = task.first_replicate; r < task.end_replicate; ++r) {
+      const LineCounts& counts = task.counts[r - task.first_replicate];
+      all[r].insert(all[r].end(), counts.begin(), counts.end());
     }
+    task.counts = {};
+  }
   return all;
 }
 

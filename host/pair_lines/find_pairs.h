@@ -31,7 +31,7 @@ struct PatchPair {
 
 // At most this number of pairs is found. A pair takes some 250 bytes, with its plan and its counts.
 constexpr size_t kMostPatchPairs = 20'000'000;
-// Lists of patch pairs and their blockers have this much room, so that parts of pairs that are cut later move no others.
+// Lists of patch pairs and blockers have room for this multiple: parts of pairs that are cut later then move no others.
 constexpr double kRoomForCuts = 1.1;
 
 // A FindingWork counts what a search has done. It is the same on all machines and for any number of threads.

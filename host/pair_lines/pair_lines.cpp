@@ -218,15 +218,11 @@ void PairLines::drawStrata(std::span<StrataTask> tasks) const {
   crew_ ? drawStrataOnRanks(tasks) : drawStrataHere(tasks);
 }
 
-// Returns how many of `count` pairs a thread takes at once. A few pairs may need most of the lines, so few pairs are
-// shared out in small chunks.
-size_t PairLines::chunkOf(size_t count) const {
-  return std::clamp<size_t>(count / (threads_ * kChunks), 1, kMostChunk);
-}
-
 void PairLines::forEach(size_t count, const std::function<void(size_t)>& work) const {
+  // A few pairs may need most of the work, so few pairs are shared out in small chunks.
+  const size_t chunk = std::clamp<size_t>(count / (threads_ * kChunks), 1, kMostChunk);
   shareOut(
-      threads_, count, chunkOf(count), [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
+      threads_, count, chunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { stopIfRequested(); });
 }
 
 // Returns the largest part of a pair, as a share of all parts that something may block.

@@ -112,8 +112,7 @@ class PairLines {
   //   this replicate. Where `times` is empty, a pair draws them once in pair.period replicates
   //   Out: counts, by pair; a function of seed, pair and replicate alone    Cost: some 5 to 50 ns a line.
   LineCounts count(std::span<const LinePair> pairs, uint64_t replicate, std::span<const uint32_t> times = {});
-  // Draws the lines of several replicates, each as count() does. Threads prepare a pair only once, which saves a third
-  // of the time of few lines.
+  // Draws the lines of several replicates, each as count() does. Threads prepare a pair only once for all of them.
   //   In: replicate: the first    Out: counts of each replicate
   std::vector<LineCounts> countAhead(std::span<const LinePair> pairs, uint64_t replicate, size_t replicates);
 
@@ -167,6 +166,8 @@ class PairLines {
   void openDevice(std::span<const LinePair> pairs, std::span<const LineCount> counts, uint64_t replicate);
   bool tryDevice(std::span<const LinePair> pairs, LineCounts& counts, uint64_t replicate);
   void drawOnDevice(std::span<const LinePair> pairs, std::span<LineCount> counts, uint64_t replicate);
+  std::vector<LineCounts> drawOnThreads(std::span<const LinePair> pairs, const LineCounts& due, uint64_t replicate,
+                                        size_t replicates, bool is_further) const;
   bool isPartial(const Group& group) const;
   double costOf(const Group& group) const;
   double largestShareOf(const Group& group) const;
@@ -197,7 +198,6 @@ class PairLines {
   static constexpr double kHasPlan = -1;  // in place of a goal, which is above 0: the pair keeps its plan
   void planGoals(std::span<LinePair> pairs, std::span<const double> goals, uint32_t replicates) const;
   double findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const;
-  size_t chunkOf(size_t count) const;
   void forEach(size_t count, const std::function<void(size_t)>& work) const;
 
   const Scene& scene_;

@@ -291,13 +291,15 @@ TEST(PairLines, ThreadsDoNotMatter) {
   EXPECT_FALSE(of_one.count(one.pairs, 2) == of_one.count(one.pairs, 3));
 }
 
-// Some pairs have lines in every replicate, others in one of several.
+// Some pairs have lines in every replicate, others in one of several, and one has most of all lines.
 TEST(PairLines, ReplicatesDrawnAtOnceAreTheSame) {
   Street street;
   PairLines lines = street.planned(3);
   const auto isRare = [](const LinePair& pair) { return pair.blocks && pair.period > 1; };
   const auto isFrequent = [](const LinePair& pair) { return pair.blocks && pair.period == 1; };
   ASSERT_TRUE(std::ranges::any_of(street.pairs, isRare) && std::ranges::any_of(street.pairs, isFrequent));
+  std::ranges::find_if(street.pairs, isFrequent)->blocks =
+      kMostLineBlocks / 2;  // so many that threads share its replicates
   const std::vector<LineCounts> ahead = lines.countAhead(street.pairs, 3, 5);
   ASSERT_EQ(ahead.size(), 5u);
   for (size_t r = 0; r < ahead.size(); ++r) EXPECT_EQ(ahead[r], lines.count(street.pairs, 3 + r)) << r;
