@@ -161,17 +161,17 @@ std::string describePlan(const FormFactorRun& run) {
 }
 
 std::string describeAlternatives(const PlanSummary& plan) {
+  const auto describe = [](const std::string& first, double for_one, double for_all, double by_median) {
+    return fmt::format(
+        "instead    {} by Pellegrini's Lemma 1 {:.3g} for one pair and {:.3g} for all; by his median of "
+        "runs {:.3g}\n",
+        first, for_one, for_all, by_median);
+  };
   if (const auto& g = plan.guarantee)
-    return fmt::format(
-        "instead    by Hoeffding's bound {} directions; by Pellegrini's Lemma 1 {:.3g} for one pair and {:.3g} for "
-        "all; "
-        "by his median of runs {:.3g}\n",
-        g->hoeffding, g->lemma_1, g->lemma_1_all, double(g->runs) * double(g->run_directions));
+    return describe(fmt::format("by Hoeffding's bound {} directions;", g->hoeffding), g->lemma_1, g->lemma_1_all,
+                    double(g->runs) * double(g->run_directions));
   if (const auto& g = plan.line_guarantee; g && g->drawn + g->bounded > 0 && g->delta > 0)
-    return fmt::format(
-        "instead    directions: by Pellegrini's Lemma 1 {:.3g} for one pair and {:.3g} for all; by his median of runs "
-        "{:.3g}\n",
-        g->lemma_1, g->lemma_1_all, g->median_directions);
+    return describe("directions:", g->lemma_1, g->lemma_1_all, g->median_directions);
   return "";
 }
 

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include <viewpeel/engine.h>
-#include "vectorised.h"
 #include <viewpeel/ids.h>
+#include "vectorised.h"
 
 namespace viewpeel {
 

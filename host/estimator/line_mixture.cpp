@@ -64,7 +64,7 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
   if (!mayFindAll(work.pairs)) return false;
   const PairNumbers& pairs = work.pairs;
   const double of_all = pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden;
-  // Of hidden pairs as large a share as of the others is large, and searched for in a mixture, too.
+  // A mixture searches large pairs alone. Of hidden pairs the same share is taken to be large as of the others.
   const double large = pairs.found > 0 ? pairs.large / pairs.found : 0,
                of_mixture = large * of_all + countedPairs(work, mixture, replicates) * kSecondsOfCount;
   return of_all <= std::max(kSoon, kWorth * of_mixture);

@@ -255,8 +255,8 @@ double LineRun::furtherLines() const {
   return lines;
 }
 
-// Returns how many of the planned replicates have their lines drawn at once. A run can be saved, and end because of its
-// time limit, only between them.
+// Returns how many of the planned replicates have their lines drawn at once: one where there is a time limit, and few
+// where lines are many, for meanwhile a run can neither end nor be saved.
 size_t LineRun::replicatesAhead() const {
   const uint64_t done = sums_.replicateCount();
   if (options_.seconds || done >= options_.replicates) return 1;

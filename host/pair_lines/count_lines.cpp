@@ -40,17 +40,24 @@ std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t r
   return scrambles;
 }
 
+LineWay PairLines::wayOf(const LinePair& pair, const PatchPair& part) const {
+  const std::vector<Patch>& patches = finder_.patches();
+  if (patches[part.a].plane == patches[part.b].plane) return LineWay::contact;
+  return pair.by_angles ? LineWay::angles : LineWay::points;
+}
+
+std::span<const PlacedBlocker> PairLines::blockersOf(const PatchPair& part) const {
+  return {&parts_.between[part.first_blocker], part.blocker_count};
+}
+
 // Returns the task that draws the lines of one part of a pair.
 LineTask PairLines::taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const {
   const PatchPair& patches = parts_.pairs[part];
-  const bool is_contact = finder_.patches()[patches.a].plane == finder_.patches()[patches.b].plane;
   return {.a = patches.a,
           .b = patches.b,
-          .way = is_contact       ? LineWay::contact
-                 : pair.by_angles ? LineWay::angles
-                                  : LineWay::points,
+          .way = wayOf(pair, patches),
           .exchange = patches.exchange,
-          .between = {&parts_.between[patches.first_blocker], patches.blocker_count},
+          .between = blockersOf(patches),
           .scrambles = scramblesOf(patches, replicate),
           .end = blocks};
 }
@@ -90,13 +97,11 @@ LineCount PairLines::combine(const LinePair& pair, const Group& group, uint32_t 
 
 PairLines::Drawer::Drawer(const PairLines& lines, const LinePair& pair, const Group& group)
     : lines_(lines), pair_(pair), group_(group) {
-  for (uint32_t part = group.first; part < group.first + group.count; ++part)
-    if (lines.parts_.pairs[part].blocker_count) {
-      const LineTask task = lines.taskOf(pair, part, 0, 0);
-      const std::vector<Patch>& patches = lines.finder_.patches();
-      of_parts_.emplace_back(patches[task.a], patches[task.b], task.way, task.exchange, lines.finder_.blockers(),
-                             task.between);
-    }
+  const std::vector<Patch>& patches = lines.finder_.patches();
+  for (const PatchPair& part : std::span(lines.parts_.pairs).subspan(group.first, group.count))
+    if (part.blocker_count)
+      of_parts_.emplace_back(patches[part.a], patches[part.b], lines.wayOf(pair, part), part.exchange,
+                             lines.finder_.blockers(), lines.blockersOf(part));
 }
 
 LineCount PairLines::Drawer::draw(uint64_t replicate, uint32_t blocks, Vectors vectors) const {
@@ -178,14 +183,10 @@ LineCounts PairLines::count(std::span<const LinePair> pairs, uint64_t replicate,
 // Counts some of the pairs.    In: range: of their numbers; times: of all pairs, or empty
 LineCounts PairLines::countHere(std::span<const LinePair> pairs, std::pair<size_t, size_t> range, uint64_t replicate,
                                 std::span<const uint32_t> times) {
-  std::vector<uint32_t> due;
+  LineCounts counts;
   for (auto k = static_cast<uint32_t>(range.first); k < range.second; ++k)
-    if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k]) due.push_back(k);
-  LineCounts counts(due.size());
-  for (size_t k = 0; k < due.size(); ++k) {
-    counts[k].pair = due[k];
-    counts[k].blocks = std::min(pairs[due[k]].blocks * (times.empty() ? 1 : times[due[k]]), kMostLineBlocks);
-  }
+    if (times.empty() ? pairs[k].hasLines(replicate) : pairs[k].blocks && times[k])
+      counts.push_back({k, std::min(pairs[k].blocks * (times.empty() ? 1 : times[k]), kMostLineBlocks), 0, 0, 0});
   if (device_ && tryDevice(pairs, counts, replicate)) return counts;
   return std::move(drawOnThreads(pairs, counts, replicate, 1, !times.empty())[0]);
 }
@@ -202,12 +203,12 @@ std::vector<LineCounts> PairLines::countAhead(std::span<const LinePair> pairs, u
   return drawOnThreads(pairs, due, replicate, replicates, false);
 }
 
-// Draws lines on threads, of several replicates.
+// Draws the lines of several replicates on threads.
 //   In: due: the pairs, with their blocks in a replicate; is_further: whether a pair has lines in all these replicates,
 //   and not only in those of its period    Out: counts of each replicate, in the order of `due`
 std::vector<LineCounts> PairLines::drawOnThreads(std::span<const LinePair> pairs, const LineCounts& due,
                                                  uint64_t replicate, size_t replicates, bool is_further) const {
-  // A Task is a range of `due`, in a range of the replicates.
+  // A Task draws the lines of a range of `due` in a range of the replicates.
   struct Task {
     size_t first, end, first_replicate, end_replicate;
     double cost;

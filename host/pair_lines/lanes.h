@@ -36,7 +36,7 @@ struct LanesOf {
 
   LanesOf() = default;
   // Makes lanes that all hold x. GCC turns a shuffle into one broadcast. A list {x, x, ...} it lowers to single lanes
-  // (tree-vect-generic.cc) before the function is inlined where such vectors are.
+  // (tree-vect-generic.cc) before the function is inlined into code for wide vectors.
   VIEWPEEL_INLINE LanesOf(Number x) {
     const Piece first{x};
     const Piece all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {

@@ -152,8 +152,7 @@ std::vector<PairLines::Part> PairLines::blockableParts(size_t pair) const {
 }
 
 UniformLines PairLines::uniformLinesOf(const PatchPair& part) const {
-  return {finder_.patches()[part.a], finder_.patches()[part.b], part.exchange, finder_.blockers(),
-          std::span(parts_.between).subspan(part.first_blocker, part.blocker_count)};
+  return {finder_.patches()[part.a], finder_.patches()[part.b], part.exchange, finder_.blockers(), blockersOf(part)};
 }
 
 uint64_t PairLines::streamOf(const PatchPair& part, uint64_t series) const {
@@ -176,7 +175,7 @@ double PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vecto
   const PatchPair& part = parts_.pairs[index];
   const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
   const LineDrawer drawer(a, b, a.plane == b.plane ? LineWay::contact : LineWay::angles, part.exchange,
-                          finder_.blockers(), {&parts_.between[part.first_blocker], part.blocker_count});
+                          finder_.blockers(), blockersOf(part));
   const DrawnLines lines = drawer.draw(scramblesOf(part, kLineReplicates.first + series), 0, 1, vectors);
   return lines.all > 0 ? lines.facing / lines.all : 0.5;
 }

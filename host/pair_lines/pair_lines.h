@@ -160,6 +160,8 @@ class PairLines {
   };
   UniformLines uniformLinesOf(const PatchPair& part) const;
   uint64_t streamOf(const PatchPair& part, uint64_t series) const;
+  LineWay wayOf(const LinePair& pair, const PatchPair& part) const;
+  std::span<const PlacedBlocker> blockersOf(const PatchPair& part) const;
   LineTask taskOf(const LinePair& pair, uint32_t part, uint64_t replicate, uint32_t blocks) const;
   template <class DrawnOf>
   LineCount combine(const LinePair& pair, const Group& group, uint32_t blocks, const DrawnOf& drawn_of) const;

@@ -298,8 +298,8 @@ TEST(PairLines, ReplicatesDrawnAtOnceAreTheSame) {
   const auto isRare = [](const LinePair& pair) { return pair.blocks && pair.period > 1; };
   const auto isFrequent = [](const LinePair& pair) { return pair.blocks && pair.period == 1; };
   ASSERT_TRUE(std::ranges::any_of(street.pairs, isRare) && std::ranges::any_of(street.pairs, isFrequent));
-  std::ranges::find_if(street.pairs, isFrequent)->blocks =
-      kMostLineBlocks / 2;  // so many that threads share its replicates
+  // Threads share the replicates of a pair with so many lines.
+  std::ranges::find_if(street.pairs, isFrequent)->blocks = kMostLineBlocks / 2;
   const std::vector<LineCounts> ahead = lines.countAhead(street.pairs, 3, 5);
   ASSERT_EQ(ahead.size(), 5u);
   for (size_t r = 0; r < ahead.size(); ++r) EXPECT_EQ(ahead[r], lines.count(street.pairs, 3 + r)) << r;
