@@ -136,7 +136,8 @@ void printResult(const ComputeOptions& options, const Result& result, const Outp
                      : guarantee->statistic == Statistic::median ? "run"
                                                                  : "block";
   fmt::print("work       {}, {}{}, {:.2f} s\n", counted(result.replicates, unit),
-             counted(result.directions, "direction"), describeDirected(result), result.seconds);
+             describeDirections(result, result.plan.pair_lines && result.plan.pair_lines->has_rays),
+             describeDirected(result), result.seconds);
   fmt::print("{}", describeWritten(options.files));
 }
 

@@ -118,7 +118,10 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
   if (lines.least_form_factor > 0)
     text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
                         lines.least_form_factor);
-  if (plan.directions)
+  if (lines.has_rays)
+    text += fmt::format("sampling   {} of each polygon a replicate, for the other pairs, environment and leak; ",
+                        counted(plan.directions, "ray"));
+  else if (plan.directions)
     text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",
                         counted(plan.directions, "direction"), plan.sampler,
                         lines.least_form_factor > 0 ? "the other pairs, " : "", describeLattices(plan));

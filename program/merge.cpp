@@ -90,7 +90,8 @@ int runMerge(MergeCommand command) {
   for (const auto& [name, value] : merged.settings) fmt::print("{:<14} {}\n", name, value);
   fmt::print("{:<14} {}\n{}", "replicates", describeReplicates(merged.sums.replicates), describeResult(estimate));
   if (below) fmt::print("{}", describeDropped(estimate.form_factors.ids(), below->dropped));
-  fmt::print("work       {} replicates, {} directions{}\n", estimate.replicates, estimate.directions,
+  fmt::print("work       {} replicates, {}{}\n", estimate.replicates,
+             describeDirections(estimate, findSetting(merged.settings, "--rays").has_value()),
              describeDirected(estimate));
   fmt::print("{}", describeWritten(files));
   return 0;

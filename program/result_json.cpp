@@ -113,11 +113,8 @@ Json jsonOf(const PlanSummary& plan) {
                     {"expected_seconds", goal->seconds}};
   if (!plan.barely_covered.empty()) json["barely_covered"] = plan.barely_covered;
   if (const auto& lines = plan.pair_lines)
-    json["pair_lines"] = {{"clear", lines->clear},
-                          {"partial", lines->partial},
-                          {"lines", lines->lines},
-                          {"blockers", lines->blockers},
-                          {"plan_seconds", lines->seconds}};
+    json["pair_lines"] = {{"clear", lines->clear},       {"partial", lines->partial}, {"lines", lines->lines},
+                          {"blockers", lines->blockers}, {"rays", lines->has_rays},   {"plan_seconds", lines->seconds}};
   if (plan.guarantee) json["guarantee"] = jsonOf(*plan.guarantee);
   if (plan.line_guarantee) json["guarantee"] = jsonOf(*plan.line_guarantee);
   return json;

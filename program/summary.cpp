@@ -168,6 +168,10 @@ std::string describeDirected(const Estimate& estimate) {
                                  : "";
 }
 
+std::string describeDirections(const Estimate& estimate, bool has_rays) {
+  return counted(estimate.directions, has_rays ? "ray" : "direction") + (has_rays ? " of each polygon" : "");
+}
+
 std::string describeResult(const Estimate& estimate) {
   const FormFactors& f = estimate.form_factors;
   if (f.entries().empty())

@@ -27,7 +27,8 @@ struct EstimateProgress {
 
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
-  uint32_t directions = 400;  // per replicate
+  uint32_t directions = 400;  // per replicate; with rays, the rays of each polygon
+  bool has_rays = false;      // whether the engine counts along rays (ray_engine.h)
   uint32_t replicates = 8;    // the least number of replicates
   bool is_exact = false;      // the run ends after `replicates`, even if its goal is not reached
   // The run adds replicates until the largest standard error is at most this.

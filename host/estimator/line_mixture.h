@@ -1,4 +1,5 @@
-// A LineMixture says which pairs of a run get lines of their own, and how many common directions count the others.
+// A LineMixture says which pairs of a run get lines of their own, and what counts the others: common directions, or
+// rays of each polygon's own.
 //
 // A pair whose unoccluded form factor is far below the goal needs no lines of its own: common directions count it, and
 // a count above the goal is cut to the goal. In scenes of many polygons nearly all pairs are of this kind.
@@ -21,13 +22,18 @@ constexpr double kCountedPairs = 3e7, kCountedOfFace = 750, kMostCountedPairs = 
 
 struct LineMixture {
   double least_form_factor = 0;              // of pairs with lines, unoccluded, from the smaller face; 0: all pairs
-  uint32_t directions = kLineRunDirections;  // of a replicate
+  uint32_t directions = kLineRunDirections;  // of a replicate; with rays, the rays of each polygon
   int resolution = 0;                        // of common directions; 0: that of a run in which all pairs have lines
+  bool has_rays = false;                     // whether rays (ray_engine.h) count the other pairs
 };
 
 // Returns the mixture in which common directions count the pairs that are small against the goal.
 //   In: options: goals, replicates; mean_area: of polygons, in squares of the scene's radius
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
+
+// Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
+//   In: options: goals, replicates; row_count: of polygons
+LineMixture rayMixtureFor(const EstimateOptions& options, size_t row_count);
 
 // Returns the share of all lines that leave the scene or end on backs.
 double shareOutside(const PairCounts& counts);
@@ -55,6 +61,9 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 // Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time, or
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
+// Returns whether the mixture with rays takes so much less time than lines for all pairs that these, which are far more
+// exact, do not pay.    In: polygon_count: of the scene
+bool paysRays(const PairNumbers& pairs, const LineMixture& mixture, uint32_t replicates, size_t polygon_count);
 // Returns how many pairs common directions count, each along each direction that meets it.
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 

@@ -32,6 +32,7 @@ constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,
                         const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
+  if (options.has_rays) sums.countRays();
   if (!options.resumed) {
     sums.lines.emplace(face_ids, options.by, std::move(pairs), least_form_factor);
     return sums;

@@ -76,9 +76,11 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   std::optional<LineSums> lines = readLineSums(in, by_id.ids());
   if (lines && lines->leastFormFactor() > 0 && haveSharedKey(lines->pairs(), by_id.pairs()))
     in.refuse("a pair that has lines was counted by common directions, too");
+  const bool has_rays = findSetting(settings, "--rays").has_value();
   Checkpoint checkpoint{std::move(settings),
                         {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
                          std::move(prior_sums), std::move(lines)}};
+  if (has_rays) checkpoint.sums.countRays();
   if (!checkpoint.sums.isWhole()) in.refuse("its list of replicates does not agree with its sums");
   return checkpoint;
 }

@@ -8,6 +8,7 @@
 
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
+#include "rays/ray_engine.h"
 #include "estimator/plan_lines.h"
 #include "memory.h"
 #include "run/observed_engine.h"
@@ -105,6 +106,12 @@ uint32_t FormFactorRun::State::commonDirections() const {
 void FormFactorRun::State::makeLineEngine() {
   Lattices lattices = setup.lattices();
   int& resolution = lattices.lattice.resolution;
+  if (line_mixture.has_rays) {
+    plan->directions = line_mixture.directions;
+    plan->groups = groupAsOne(setup.scene(), line_mixture.resolution);
+    plan->engine = makeRayEngine(setup.scene(), setup.faceIds(), lattices.lattice);
+    return;
+  }
   const bool is_mixture = line_mixture.resolution > 0;
   if (is_mixture) resolution = line_mixture.resolution;
   plan->directions = setup.faceIds().counts_environment ? line_mixture.directions : 0;
@@ -126,11 +133,12 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
           fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
                       "ask for that --tolerance or a larger one, or take another file",
                       resumed_file.string(), least, most));
-    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0};
+    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0,
+                    findSetting(resumed->settings, "--rays").has_value()};
     makeLineEngine();
     return "";
   }
-  if (!setup.plansWhichPairs()) return "";
+  if (!setup.plansWhichPairs() || takeRays()) return "";
   if (!setup.isLarge() && (may_leave || no_promise.empty())) return "";
   const uint32_t replicates = setup.estimate().replicates;
   const LineMixture mixture = setup.mixture();
@@ -151,6 +159,27 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   line_mixture = {};
   makeLineEngine();
   return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
+}
+
+// Decides whether each polygon has rays of its own, which see what leaves an open scene and count the small pairs.
+//   Out: whether it has; then line_mixture and its engine are set
+bool FormFactorRun::State::takeRays() {
+  const Request& request = setup.request();
+  const EstimateOptions& options = setup.estimate();
+  if (!may_leave || !options.tolerance || options.relative || !request.question.isEverything() ||
+      request.pair_lines.value_or(false) || !suitsRays(setup.scene(), setup.faceIds()))
+    return false;
+  const LineMixture mixture = rayMixtureFor(options, setup.ids().count());
+  const auto pays = [&](const PairNumbers& numbers) {
+    return paysRays(numbers, mixture, options.replicates, setup.scene().polygons.size());
+  };
+  const auto most = double(pairCount(setup.faceIds().count()));
+  if (!pays({most, most, 0, 0}) || !pays(pair_lines->estimatePairs(mixture.least_form_factor))) return false;
+  if (no_promise.empty())
+    refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
+  line_mixture = mixture;
+  makeLineEngine();
+  return true;
 }
 
 // Takes the finest lattice at which the sums of counted pairs fit into memory.
@@ -251,12 +280,15 @@ void FormFactorRun::State::planEstimateLines() {
     // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                  most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
+    // Where all pairs have lines, a row's environment is what they leave of it.
+    const bool is_open = may_leave && !(line_mixture.least_form_factor > 0);
     line_pairs =
-        planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, may_leave, most_lines);
+        planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, is_open, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
-  plan->pair_lines = {figures.clear,    figures.partial,      0,
-                      figures.blockers, secondsSince(*start), line_mixture.least_form_factor};
+  plan->pair_lines = {figures.clear,        figures.partial,      0,
+                      figures.blockers,     secondsSince(*start), line_mixture.least_form_factor,
+                      line_mixture.has_rays};
   for (const LinePair& pair : line_pairs)
     plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }

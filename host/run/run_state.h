@@ -110,6 +110,7 @@ struct FormFactorRun::State {
   double measureLeaks(const PairCounts& counts) const;
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
+  bool takeRays();
   bool fitMixture(LineMixture mixture, LineWork& work);
   void makeLineEngine();
   void planPairLines();

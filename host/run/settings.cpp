@@ -73,7 +73,7 @@ Settings settingsOf(const Setup& setup) {
 
 bool mayBePlanned(const std::string& name) {
   constexpr std::array kPlanned = {"--unoccluded", "--pair-lines", "--directions", "--resolution",
-                                   "--finest",     "--range",      "--block"};
+                                   "--finest",     "--range",      "--block",      "--rays"};
   return std::ranges::find(kPlanned, name) != kPlanned.end();
 }
 
@@ -81,6 +81,7 @@ Settings settingsOf(const Setup& setup, const PlanSummary& plan) {
   Settings all = settingsOf(setup);
   all.emplace_back("--unoccluded", setup.usesUnoccluded() ? "on" : "off");
   if (setup.usesPairLines()) all.emplace_back("--pair-lines", "on");
+  if (plan.pair_lines && plan.pair_lines->has_rays) all.emplace_back("--rays", "on");
   if (plan.guarantee) {
     all.insert(all.end(), {{"--resolution", std::to_string(setup.resolution())},
                            {"--range", fmt::format("{}", plan.guarantee->range)},

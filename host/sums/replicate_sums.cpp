@@ -57,7 +57,8 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
   // The spread is R (R - 1) s^2, without rounding.
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
   const double r = double(replicate_count_), variance = double(spread) / (r - 1);
-  const double counted = double(sum.sum), at_a_time = spread ? std::max(1.0, variance / counted) : 1;
+  const double counted = double(sum.sum), least = has_rays_ ? std::max(1.0, most_counts / 2) : 1,
+               at_a_time = spread ? std::max(least, variance / counted) : least;
   const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
   measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
   return measured;

@@ -41,6 +41,8 @@ class ReplicateSums {
         row_sums_(std::move(row_sums)),
         replicate_count_(replicate_count) {}
 
+  // Says that counts are of rays (ray_engine.h): a ray adds up to half of the most counts that a direction adds.
+  void countRays() { has_rays_ = true; }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
   // Adds one replicate to the row sums alone, for runs whose pairs are summed elsewhere.
@@ -85,6 +87,7 @@ class ReplicateSums {
   PairBlocks<PairSum> pairs_;
   std::vector<Sum> row_sums_;
   uint64_t replicate_count_ = 0;
+  bool has_rays_ = false;
 };
 
 // Returns a bound on the form factor of a pair that no line met, with 95 % confidence: docs/method.md, eq. (13).

@@ -41,6 +41,8 @@ struct RunSums {
   // Returns whether all sums have the same replicates. They differ where an exception has ended a call of add early.
   bool isWhole() const;
 
+  // Says that counts are of rays: ReplicateSums::countRays.
+  void countRays() { by_id.countRays(), by_surface.countRays(); }
   // Adds one replicate.
   //   In: replicate: its number, not among `replicates`; counts: along common directions, by id; direction_count:
   //     number of these directions; directed: counts of directed pairs along their directions

@@ -102,8 +102,11 @@ struct PairLinesSummary {
   uint64_t lines = 0;     // of these pairs, in all replicates of the request
   uint64_t blockers = 0;  // number of blockers, after joining neighbouring polygons
   double seconds = 0;     // spent on finding the pairs and planning their lines
-  // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions.
+  // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions or by rays.
   double least_form_factor = 0;
+  // Whether rays of each polygon's own count them, and what leaves the scene. PlanSummary::directions then is the
+  // number of rays of each polygon.
+  bool has_rays = false;
 };
 
 // A PlanSummary says what a run will do, and which error and time are expected.

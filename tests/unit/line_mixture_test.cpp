@@ -388,35 +388,46 @@ TEST(MixtureRuns, EstimatesOfSmallRoomsAreMixtures) {
 }
 
 // In an open scene rows see the environment, which the few common directions of a mixture would count too roughly.
-// Lines for all pairs of this scene do not fit into memory. So it gets no pair lines, and the plan says why.
-TEST(MixtureRuns, OpenScenesSayWhyTheyHaveNone) {
+// Lines for all pairs of this scene do not fit into memory. So polygons have rays of their own. Two-sided polygons have
+// none, and the plan says why they have no pair lines.
+TEST(MixtureRuns, LargeOpenScenesHaveRays) {
   InputScene room = bench::roomWithBoxes(5);
   std::erase_if(room.faces, [](const InputFace& face) {
     return std::ranges::all_of(face.corners, [](const glm::dvec3& corner) { return corner.z > 2.9; });
   });
   const Scene scene = buildScene(room);
   ASSERT_GT(scene.faces.size(), 8'000u);
-  FormFactorRun run(scene, requestOf(kGoal));
+  Request request = requestOf(kGoal);
+  FormFactorRun run(scene, request);
   run.makePlan();
-  EXPECT_FALSE(run.plan().pair_lines);
-  EXPECT_NE(run.plan().no_promise.find("lines leave the scene"), std::string::npos) << run.plan().no_promise;
-  EXPECT_EQ(run.plan().no_pair_lines, run.plan().no_promise);
+  ASSERT_TRUE(run.plan().pair_lines);
+  EXPECT_TRUE(run.plan().pair_lines->has_rays);
+  EXPECT_EQ(run.plan().pair_lines->least_form_factor, kGoal / kMostOfCounted);
+  EXPECT_NE(run.plan().no_promise.find("twice the time of rays"), std::string::npos) << run.plan().no_promise;
+  request.two_sided = true;
+  FormFactorRun two_sided(scene, request);
+  two_sided.makePlan();
+  EXPECT_FALSE(two_sided.plan().pair_lines);
+  EXPECT_NE(two_sided.plan().no_pair_lines.find("lines leave the scene"), std::string::npos)
+      << two_sided.plan().no_pair_lines;
+  EXPECT_EQ(two_sided.plan().no_pair_lines, two_sided.plan().no_promise);
 }
 
-// For a rough goal common directions are quicker there, and pair lines would be much finer than it. A request for pair
-// lines gets them.
-TEST(MixtureRuns, RoughGoalsOfLargeOpenScenesTakeDirections) {
+// For a rough goal rays are quicker, and lines for all pairs would be much finer than it. A request for pair lines gets
+// lines for all pairs.
+TEST(MixtureRuns, RoughGoalsOfLargeOpenScenesTakeRays) {
   const Scene scene = buildScene(bench::city(8'600));
   FormFactorRun run(scene, requestOf(0.05));
   run.makePlan();
-  EXPECT_FALSE(run.plan().pair_lines);
-  EXPECT_NE(run.plan().no_pair_lines.find("the tolerance is above 0.02"), std::string::npos)
-      << run.plan().no_pair_lines;
+  ASSERT_TRUE(run.plan().pair_lines);
+  EXPECT_TRUE(run.plan().pair_lines->has_rays);
   Request request = requestOf(0.05);
   request.pair_lines = true;
   FormFactorRun with_lines(scene, request);
   with_lines.makePlan();
-  EXPECT_TRUE(with_lines.plan().pair_lines);
+  ASSERT_TRUE(with_lines.plan().pair_lines);
+  EXPECT_FALSE(with_lines.plan().pair_lines->has_rays);
+  EXPECT_EQ(with_lines.plan().pair_lines->least_form_factor, 0);
 }
 
 }  // namespace

@@ -1,0 +1,288 @@
+#include "rays/ray_engine.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include <glm/glm.hpp>
+
+#include "rays/ray_tree.h"
+#include "hash.h"
+#include "pair_lines/sobol_points.h"
+#include "scene/coincident.h"
+#include "scene/polygon_tree.h"
+#include "sums/pair_count.h"
+#include "threads.h"
+
+namespace viewpeel {
+namespace {
+
+using glm::dvec3;
+using Point = LaneVector<float>;
+
+constexpr double kLeastSize = 1e-5;        // root of the least area of a polygon, some 30 times kRayReach
+constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single precision
+constexpr double kUnitShare = 0x1p-14;     // of the smallest polygon's area: what one count stands for
+constexpr size_t kChunk = 16;              // polygons that a thread takes at once
+constexpr float kLeastRoot = 1e-12f;       // numbers are raised to it before their root is taken
+
+Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
+
+// Returns the square root of numbers from 0 to 1.
+template <class Floats>
+VIEWPEEL_INLINE Floats rootOf(const Floats& x) {
+  const Floats positive = greatest(x, Floats(kLeastRoot));
+  return positive * inverseRoot(positive);
+}
+
+// Sets the cosine and the sine of `turn` whole turns, to 2e-7.    In: turn: in [0, 1)
+template <class Floats>
+VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
+  constexpr auto kHalfRoot = static_cast<float>(std::numbers::sqrt2 / 2),
+                 kQuarter = static_cast<float>(std::numbers::pi / 2);
+  // The angle is a number of quarters, an eighth, and a rest within an eighth, whose series are Taylor's.
+  const Floats quarters = wholeOf(4.0f * turn), rest = (4.0f * turn - quarters - 0.5f) * kQuarter, square = rest * rest;
+  const Floats s = rest * (1.0f + square * (-1 / 6.0f + square * (1 / 120.0f + square * (-1 / 5040.0f)))),
+               c = 1.0f + square * (-0.5f + square * (1 / 24.0f + square * (-1 / 720.0f + square * (1 / 40320.0f))));
+  const Floats x = (c - s) * kHalfRoot, y = (c + s) * kHalfRoot;
+  const Floats is_odd = quarters - 2.0f * wholeOf(0.5f * quarters),
+               sign = ifBelow(Floats(1.5f), quarters, Floats(-1.0f), Floats(1.0f));
+  cosine = sign * ifBelow(Floats(0.5f), is_odd, -y, x);
+  sine = sign * ifBelow(Floats(0.5f), is_odd, x, y);
+}
+
+// An Emitter is a polygon from whose front rays start.
+struct Emitter {
+  Point corner, to_first, along_first, to_second, along_second;  // of the triangles that the polygon consists of
+  float first_share;                                             // of the first triangle in the area
+  Point axes[3];                                                 // the last one is the normal
+  std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide its front, nearest first
+};
+
+class RayEngine : public Engine {
+ public:
+  RayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+
+  PairCounts count(std::span<const Direction> directions) override;
+  double unitArea() const override { return unit_; }
+  std::string describePlan() const override { return "rays of each polygon's own\n"; }
+
+ private:
+  // Hits are the ends of a polygon's rays.
+  struct Hits {
+    std::vector<uint32_t> of_polygon;  // by polygon: rays that end on it
+    std::vector<uint32_t> polygons;    // with rays, in any order
+    uint64_t environment = 0, leak = 0;
+  };
+  Emitter emitterOf(uint32_t polygon, const PolygonTree& near) const;
+  void sortPoints(size_t count);
+  template <class Floats>
+  static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
+  template <class Types>
+  void cast(uint32_t polygon, const std::array<uint32_t, 4>& scrambles, Hits& hits) const;
+  void addCounts(uint32_t polygon, double weight, Hits& hits, PairCounts& counts) const;
+
+  const Scene& scene_;
+  const Ids& ids_;
+  const size_t threads_;
+  const std::function<void()> stop_;
+  const std::function<void(uint64_t)> on_batch_;
+  const RayTree tree_;
+  double unit_;
+  std::vector<Emitter> emitters_;  // by polygon
+  // Binary digits of Sobol' points. Sixteen neighbours have nearly the same direction, so that their rays go through
+  // the same boxes.
+  std::array<std::vector<uint32_t>, 4> points_;
+  size_t point_count_ = 0;
+};
+
+RayEngine::RayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
+    : scene_(scene),
+      ids_(ids),
+      threads_(options.thread_count ? options.thread_count : threadCount()),
+      stop_(options.stop),
+      on_batch_(options.on_batch),
+      tree_(scene),
+      unit_(kUnitShare * std::ranges::min(scene.polygons, {}, &Polygon::area).area) {
+  const PolygonTree near(scene);
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k) emitters_.push_back(emitterOf(k, near));
+}
+
+Emitter RayEngine::emitterOf(uint32_t index, const PolygonTree& near) const {
+  const Polygon& polygon = scene_.polygons[index];
+  const dvec3* const c = &scene_.corners[polygon.first_corner];
+  const dvec3& last = c[polygon.corner_count - 1];
+  const dvec3 normal = frontNormal(scene_, polygon),
+              across = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
+  Emitter emitter{.corner = pointOf(c[0]),
+                  .to_first = pointOf(c[1] - c[0]),
+                  .along_first = pointOf(c[2] - c[1]),
+                  .to_second = pointOf(c[2] - c[0]),
+                  .along_second = pointOf(last - c[2]),
+                  .first_share = 1,
+                  .axes = {pointOf(across), pointOf(glm::cross(normal, across)), pointOf(normal)},
+                  .covers = {}};
+  if (polygon.corner_count == 4)
+    emitter.first_share = static_cast<float>(glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) / (2 * polygon.area));
+  std::vector<std::pair<int, uint32_t>> covers;
+  near.forEachNear(index, 0, [&](uint32_t other) {
+    const int steps =
+        (levelOf(scene_.polygons[other]) - levelOf(polygon)) * (polygon.front_along_plane_normal ? 1 : -1);
+    if (scene_.polygons[other].plane == polygon.plane && steps > 0) covers.emplace_back(steps, other);
+  });
+  std::ranges::sort(covers);
+  for (const auto& [steps, other] : covers) emitter.covers.push_back(RayTree::facetOf(scene_, other));
+  return emitter;
+}
+
+// Makes as many points as there are rays of a polygon, and sorts them by direction: along a Z curve of their first two
+// numbers, which are height and turn.
+void RayEngine::sortPoints(size_t count) {
+  if (count == point_count_) return;
+  struct Place {
+    uint64_t at;
+    uint32_t point;
+  };
+  std::vector<Place> places(count);
+  for (uint32_t k = 0; k < count; ++k) {
+    const uint32_t height = kSobol.digitsOf(k, 0), turn = kSobol.digitsOf(k, 1);
+    places[k] = {0, k};
+    for (int bit = 0; bit < 32; ++bit) places[k].at = places[k].at << 2 | (turn >> bit & 1) << 1 | (height >> bit & 1);
+  }
+  std::ranges::sort(places, {}, &Place::at);
+  const size_t whole = (count + kLineLanes - 1) / kLineLanes * kLineLanes;  // the last lanes may be idle
+  for (int d = 0; d < 4; ++d) {
+    points_[d].assign(whole, 0);
+    for (size_t k = 0; k < count; ++k) points_[d][k] = kSobol.digitsOf(places[k].point, d);
+  }
+  point_count_ = count;
+}
+
+// Returns sixteen rays.    In: u: four numbers in [0, 1) for each, which give height, turn, and the place of the start
+template <class Floats>
+VIEWPEEL_INLINE Rays<Floats> RayEngine::start(const Emitter& from, uint32_t plane, const Floats* u) {
+  Floats cosine, sine;
+  turnBy(u[1], cosine, sine);
+  const Floats radius = rootOf(u[0]), x = radius * cosine, y = radius * sine, z = rootOf<Floats>(1.0f - u[0]);
+  Rays<Floats> rays;
+  const auto along = [&](float a, float b, float c) __attribute__((always_inline)) { return x * a + y * b + z * c; };
+  rays.direction = {along(from.axes[0].x, from.axes[1].x, from.axes[2].x),
+                    along(from.axes[0].y, from.axes[1].y, from.axes[2].y),
+                    along(from.axes[0].z, from.axes[1].z, from.axes[2].z)};
+  // The first number chooses a triangle, and then is uniform again.
+  const Floats share = from.first_share, rest = greatest(1.0f - share, Floats(kLeastRoot));
+  const Floats from_corner = rootOf(ifBelow(u[2], share, u[2] / share, (u[2] - share) / rest));
+  const auto place = [&](float corner, float to_first, float along_first, float to_second, float along_second)
+      __attribute__((always_inline)) {
+    const Floats to = ifBelow(u[2], share, Floats(to_first), Floats(to_second)),
+                 further = ifBelow(u[2], share, Floats(along_first), Floats(along_second));
+    return corner + from_corner * (to + u[3] * further);
+  };
+  rays.start = {place(from.corner.x, from.to_first.x, from.along_first.x, from.to_second.x, from.along_second.x),
+                place(from.corner.y, from.to_first.y, from.along_first.y, from.to_second.y, from.along_second.y),
+                place(from.corner.z, from.to_first.z, from.along_first.z, from.to_second.z, from.along_second.z)};
+  rays.plane = plane;
+  return rays;
+}
+
+// Casts the rays of a polygon.
+template <class Types>
+[[gnu::always_inline]] inline void RayEngine::cast(uint32_t polygon, const std::array<uint32_t, 4>& scrambles,
+                                                   Hits& hits) const {
+  using Floats = typename Types::Floats;
+  constexpr float kFarAway = 4;  // the scene lies in the unit ball
+  const Emitter& from = emitters_[polygon];
+  for (size_t first = 0; first < point_count_; first += kLineLanes) {
+    Floats u[4];
+    for (int d = 0; d < 4; ++d) u[d] = scrambled(load<typename Types::Words>(points_[d].data() + first), scrambles[d]);
+    Rays<Floats> rays = start(from, scene_.polygons[polygon].plane, u);
+    rays.distance = Floats(kFarAway), rays.facet = Floats{};
+    tree_.meet(rays);
+    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, point_count_ - first));
+    for (int lane = 0; lane < lanes; ++lane) {
+      const Point at{rays.start.x[lane], rays.start.y[lane], rays.start.z[lane]},
+          direction{rays.direction.x[lane], rays.direction.y[lane], rays.direction.z[lane]};
+      const auto cover = std::ranges::find_if(
+          from.covers, [&](const RayTree::Facet& facet) { return beyond(facet.edges, 4, at) <= 0; });
+      const RayTree::Facet* const end = cover != from.covers.end() ? &*cover
+                                        : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
+                                                                   : nullptr;
+      if (!end) ++hits.environment;
+      else if (dot(end->normal, direction) * end->side > 0) ++hits.leak;
+      else if (hits.of_polygon[end->polygon]++ == 0) hits.polygons.push_back(end->polygon);
+    }
+  }
+}
+
+// Turns the hits of one polygon's rays into counts, and clears them.    In: weight: of a ray
+void RayEngine::addCounts(uint32_t polygon, double weight, Hits& hits, PairCounts& counts) const {
+  const double area = scene_.polygons[polygon].area;
+  const uint32_t id = ids_.of_polygon[polygon];
+  // A_i F_ij is twice the count times unitArea(), over the number of directions.
+  const auto add = [&](uint32_t other, double rays, double area_of_ray) {
+    const auto count = static_cast<uint64_t>(std::llround(rays * weight * area_of_ray / (2 * unit_)));
+    if (count > 0) counts.push_back({std::min(id, other), std::max(id, other), count});
+  };
+  for (const uint32_t met : hits.polygons) {
+    const double other = scene_.polygons[met].area;
+    add(ids_.of_polygon[met], hits.of_polygon[met], area * other / (area + other));
+    hits.of_polygon[met] = 0;
+  }
+  add(kEnvironment, double(hits.environment), area);
+  add(kLeak, double(hits.leak), area);
+  hits.polygons.clear();
+  hits.environment = hits.leak = 0;
+}
+
+PairCounts RayEngine::count(std::span<const Direction> directions) {
+  if (directions.empty()) return {};
+  sortPoints(directions.size());
+  Hash series;
+  double weight = 0;
+  for (const Direction& direction : directions) {
+    for (int axis = 0; axis < 3; ++axis) series.add(direction.u[axis]);
+    weight += direction.weight;
+  }
+  weight /= double(directions.size());
+  const Vectors vectors = widestVectors();
+  std::vector<PairCounts> counts(threads_);
+  std::vector<Hits> hits(threads_);
+  for (Hits& of_thread : hits) of_thread.of_polygon.resize(scene_.polygons.size());
+  shareOut(
+      threads_, scene_.polygons.size(), kChunk,
+      [&](size_t thread, size_t k) {
+        const auto polygon = static_cast<uint32_t>(k);
+        std::array<uint32_t, 4> scrambles;
+        for (uint32_t d = 0; d < 4; ++d) {
+          Hash hash;
+          for (const uint64_t number : {series.value(), uint64_t(polygon), uint64_t(d)}) hash.add(number);
+          scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
+        }
+        runInLanes(
+            vectors, [&]<class Types>(Types)
+                         __attribute__((always_inline)) { cast<Types>(polygon, scrambles, hits[thread]); });
+        addCounts(polygon, weight, hits[thread], counts[thread]);
+      },
+      [&](size_t) {
+        if (stop_) stop_();
+      });
+  if (on_batch_) on_batch_(directions.size());
+  return sortAndJoin(counts, ids_.count());
+}
+
+}  // namespace
+
+bool suitsRays(const Scene& scene, const Ids& ids) {
+  return !ids.two_sided && scene.polygons.size() < kMostPolygons &&
+         std::ranges::all_of(scene.polygons,
+                             [](const Polygon& polygon) { return polygon.area > kLeastSize * kLeastSize; });
+}
+
+std::unique_ptr<Engine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+  return std::make_unique<RayEngine>(scene, ids, options);
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,139 @@
+// Rays of each polygon's own give the form factors that the exact engine and pair lines give.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include <viewpeel/compute.h>
+#include "tests/support/test_device.h"
+#include "directions/sampler.h"
+#include "rays/ray_engine.h"
+#include "scenes/generate.h"
+#include "scenes/named_scenes.h"
+#include "scenes/triangulated_city.h"
+#include "sums/replicate_sums.h"
+
+namespace viewpeel {
+namespace {
+
+namespace ts = test_scenes;
+
+constexpr uint32_t kReplicates = 32;
+
+// Returns form factors from replicates of this number of rays of each polygon.
+FormFactors byRays(const Scene& scene, const Ids& ids, uint32_t rays, size_t threads = 2) {
+  const std::unique_ptr<Engine> engine = makeRayEngine(scene, ids, {.thread_count = static_cast<uint32_t>(threads)});
+  ReplicateSums sums(ids);
+  for (uint32_t r = 0; r < kReplicates; ++r) sums.add(engine->count(sampleDirections(Sampler::iid, rays, 3, r)));
+  const double unit = engine->unitArea() * scene.scale * scene.scale;
+  return sums.formFactors(unit / rays, unit);
+}
+
+Measured entryOf(const FormFactors& all, uint32_t i, uint32_t j) {
+  for (const FormFactors::Entry& entry : all.entries())
+    if (entry.i == i && entry.j == j) return entry.exchange_area;
+  return {0, 0};
+}
+
+// Expects entries to agree. A pair's hits are independent of each other, or better spread. An entry of at least 100
+// expected hits may be off by six of its standard errors: with 32 replicates a normal mean exceeds this in 1 of 800,000
+// cases. Fewer hits are not normal; they exceed the bound below with a probability under exp(-18), by Bernstein's
+// inequality.
+//   In: rays: of each polygon, in all replicates
+void expectNear(const FormFactors& found, const FormFactors& wanted, double rays) {
+  const Ids& ids = found.ids();
+  const auto expectEntry = [&](uint32_t i, uint32_t j, const Measured& value, const Measured& exchange) {
+    const double hit = ids.smallerArea(i, j) / rays,  // the most that a ray adds
+        rounding = 1e-7 * ids.smallerArea(i, j),
+                 error = exchange.value >= 100 * hit ? 6 * value.standard_error
+                                                     : 6 * std::sqrt(exchange.value * hit) + 12 * hit;
+    EXPECT_NEAR(value.value, exchange.value, error + 6 * exchange.standard_error + rounding)
+        << ids.names[i] << " " << j;
+  };
+  for (const FormFactors::Entry& entry : wanted.entries())
+    expectEntry(entry.i, entry.j, entryOf(found, entry.i, entry.j), entry.exchange_area);
+  for (const FormFactors::Entry& entry : found.entries())
+    if (entryOf(wanted, entry.i, entry.j).value == 0) expectEntry(entry.i, entry.j, entry.exchange_area, {0, 0});
+}
+
+FormFactors byLines(const Scene& scene, By by) {
+  Request request;
+  request.by = by, request.promise = false;
+  request.goal = Tolerance{1e-3};
+  return computeFormFactors(scene, request).form_factors;
+}
+
+TEST(RayEngine, AgreesWithPairLines) {
+  for (const InputScene& input : {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(),
+                                  ts::triangleSoup(60, 0.5, 3), bench::triangulatedCity(120).scene}) {
+    const Scene scene = buildScene(input);
+    for (const By by : {By::polygon, By::surface}) {
+      SCOPED_TRACE(input.file + (by == By::surface ? ", by surface" : ""));
+      expectNear(byRays(scene, makeIds(scene, by, false), 256), byLines(scene, by), 256 * kReplicates);
+    }
+  }
+}
+
+// A box stands on a floor, and a sheet of two faces in one plane hangs above it.
+TEST(RayEngine, CoincidentFacesHaveTheirOrder) {
+  InputScene input;
+  ts::addBox(input, "room", {0, 0, 0}, {4, 4, 3}, true, true);
+  ts::addBox(input, "box", {1, 1, 0}, {2, 2, 1}, false, true);
+  const ts::Corners sheet = ts::parallelogram({2.5, 1, 1}, {0, 2, 0}, {0, 0, 1});
+  ts::addFace(input, "left", sheet);
+  ts::addFace(input, "right", {sheet.rbegin(), sheet.rend()});
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const FormFactors found = byRays(scene, ids, 256);
+  expectNear(found, byLines(scene, By::polygon), 256 * kReplicates);
+  const auto idOf = [&](const char* name) {
+    return static_cast<uint32_t>(std::ranges::find(ids.names, name) - ids.names.begin());
+  };
+  // All that the box's bottom emits ends on the floor, and nothing goes from one side of the sheet to the other.
+  const uint32_t floor = idOf("roomz0"), bottom = idOf("boxz0");
+  EXPECT_NEAR(entryOf(found, std::min(floor, bottom), std::max(floor, bottom)).value, 1, 1e-3);
+  EXPECT_EQ(entryOf(found, std::min(idOf("left"), idOf("right")), std::max(idOf("left"), idOf("right"))).value, 0);
+}
+
+TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
+  const Scene scene = buildScene(ts::roomWithTouchingBoxes());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  constexpr uint32_t kRays = 1024;
+  const FormFactors found = byRays(scene, ids, kRays);
+  double outside = 0, all = 0;
+  for (const FormFactors::Entry& entry : found.entries()) {
+    all += entry.exchange_area.value;
+    if (entry.j >= kEnvironment) outside += entry.exchange_area.value;
+  }
+  // Starts err by kRayReach at most. Edges are some 1e-1 long, so that 1e-5 of all rays could pass one by mistake.
+  EXPECT_LE(outside, 1e-5 * all);
+  // Counts are rounded to 2^-14 of the smallest area.
+  const double rounding = double(ids.count()) * 0x1p-14 / kRays;
+  for (size_t i = 0; i < ids.count(); ++i)
+    EXPECT_NEAR(found.rowSums()[i].value, 1, 6 * found.rowSums()[i].standard_error + rounding) << ids.names[i];
+}
+
+TEST(RayEngine, IsNotForTinyNorTwoSidedPolygons) {
+  const Scene scene = buildScene(ts::insideOfCube());
+  EXPECT_TRUE(suitsRays(scene, makeIds(scene, By::polygon, false)));
+  EXPECT_FALSE(suitsRays(scene, makeIds(scene, By::polygon, true)));
+  InputScene input = ts::insideOfCube();
+  ts::addFace(input, "tiny", ts::parallelogram({0.5, 0.5, 0.5}, {1e-6, 0, 0}, {0, 1e-6, 0}));
+  const Scene with_tiny = buildScene(input);
+  EXPECT_FALSE(suitsRays(with_tiny, makeIds(with_tiny, By::polygon, false)));
+}
+
+TEST(RayEngine, CountsDependOnNeitherThreadsNorCalls) {
+  const Scene scene = buildScene(bench::triangulatedCity(300).scene);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto directions = sampleDirections(Sampler::iid, 40, 3, 0), others = sampleDirections(Sampler::iid, 40, 3, 1);
+  const std::unique_ptr<Engine> one = makeRayEngine(scene, ids, {.thread_count = 1}),
+                                three = makeRayEngine(scene, ids, {.thread_count = 3});
+  const PairCounts first = one->count(directions);
+  EXPECT_FALSE(first.empty());
+  EXPECT_NE(three->count(others), first);
+  EXPECT_EQ(three->count(directions), first);
+}
+
+}  // namespace
+}  // namespace viewpeel
