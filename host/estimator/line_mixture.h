@@ -32,7 +32,7 @@ struct LineMixture {
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
 
 // Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
-//   In: options: goals, replicates; row_count: of polygons
+//   In: options: tolerance, replicates; row_count: of polygons
 LineMixture rayMixtureFor(const EstimateOptions& options, size_t row_count);
 
 // Returns the share of all lines that leave the scene or end on backs.

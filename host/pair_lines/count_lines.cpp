@@ -7,8 +7,8 @@
 #include <utility>
 
 #include <viewpeel/error.h>
-#include "hash.h"
 #include "pair_lines/pair_lines.h"
+#include "pair_lines/sobol_points.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -29,15 +29,8 @@ double chanceOf(const DrawnLines& lines) {
 }  // namespace
 
 std::array<uint32_t, 4> PairLines::scramblesOf(const PatchPair& part, uint64_t replicate) const {
-  std::array<uint32_t, 4> scrambles;
-  for (uint32_t d = 0; d < 4; ++d) {
-    Hash hash;
-    for (const uint64_t number :
-         {seed_, numberOf(finder_.patches()[part.a]), numberOf(finder_.patches()[part.b]), replicate, uint64_t(d)})
-      hash.add(number);
-    scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
-  }
-  return scrambles;
+  return viewpeel::scramblesOf(
+      {seed_, numberOf(finder_.patches()[part.a]), numberOf(finder_.patches()[part.b]), replicate});
 }
 
 LineWay PairLines::wayOf(const LinePair& pair, const PatchPair& part) const {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "pair_lines/shared.h"
+#include "pair_lines/sobol_points.h"
 #include "shaders/pair_lines_draw.comp.h"
 #include "shaders/pair_lines_place.comp.h"
 #include "shaders/pair_lines_prepare.comp.h"
@@ -127,7 +128,7 @@ DeviceLines::State::State(const Device& on, std::span<const Patch> all_patches, 
   std::vector<BlockerData> blocker_values;
   for (const Blocker& blocker : blockers) blocker_values.push_back(dataOf(blocker));
   patch_data = uploaded(patch_values), blocker_data = uploaded(blocker_values);
-  sobol = uploaded(std::vector<uint32_t>(sobolBits().begin(), sobolBits().end()));
+  sobol = uploaded(std::vector<uint32_t>(kSobol.numbers().begin(), kSobol.numbers().end()));
 }
 
 template <class T>

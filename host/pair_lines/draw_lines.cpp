@@ -144,7 +144,6 @@ Point cross(const Point& a, const Point& b) {
   return {a.y * b.z - b.y * a.z, a.z * b.x - b.z * a.x, a.x * b.y - b.x * a.y};
 }
 Point pointOf(const float* v) { return {v[0], v[1], v[2]}; }
-Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
 
 // Returns form factors from points to a polygon, by Lambert's formula. Parts behind a point's plane count negative.
 template <class Floats>
@@ -311,7 +310,5 @@ template <class Types>
   sums.lines = uint64_t(kBlockLines) * (end - first);
   return sums;
 }
-
-std::span<const uint32_t> sobolBits() { return {&kSobol.of[0][0], SobolBits::kDimensions * SobolBits::kBits}; }
 
 }  // namespace viewpeel

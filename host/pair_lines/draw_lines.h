@@ -41,9 +41,6 @@ struct DrawnLines {
 // Returns the factor of a line's weight that makes the mean weight 1.    In: as LineDrawer's
 float unitOfWeights(LineWay way, double exchange);
 
-// Returns the direction numbers of Sobol' points in Gray's order, 4 dimensions x 32 bits.
-std::span<const uint32_t> sobolBits();
-
 // A LineDrawer holds a pair of patches, ready to draw lines. Coordinates are in single precision and relative to the
 // middle of the smaller patch, so that rounding errors are relative to the distance from there.
 class LineDrawer {

@@ -64,6 +64,11 @@ struct LaneVector {
   Lanes x, y, z;
 };
 
+// Returns a point in single precision.
+inline LaneVector<float> pointOf(const glm::dvec3& v) {
+  return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)};
+}
+
 template <class Number, class Lanes>
 VIEWPEEL_INLINE Lanes dot(const Number* n, const LaneVector<Lanes>& v) {
   return n[0] * v.x + n[1] * v.y + n[2] * v.z;

@@ -127,12 +127,16 @@ PairNumbers PairLines::estimatePairs(double least_form_factor) const {
   }
   const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
   const std::vector<PatchPair> found = finder_.findAmong(facing);
-  const auto large = std::ranges::count_if(found, [&](const PatchPair& pair) {
-    const Patch &a = patches[pair.a], &b = patches[pair.b];
-    return a.is_part || b.is_part || pair.exchange >= least_form_factor * std::min(a.area, b.area);
+  const auto isLarge = [&](const PatchPair& pair) {
+    return pair.exchange >= least_form_factor * std::min(patches[pair.a].area, patches[pair.b].area);
+  };
+  const auto large = std::ranges::count_if(found, isLarge);
+  const auto small_of_parts = std::ranges::count_if(found, [&](const PatchPair& pair) {
+    return (patches[pair.a].is_part || patches[pair.b].is_part) && !isLarge(pair);
   });
   const auto blocked = std::ranges::count_if(found, [](const PatchPair& pair) { return pair.blocker_count > 0; });
-  return {each * double(facing.size()), each * double(found.size()), each * double(large), each * double(blocked)};
+  return {each * double(facing.size()), each * double(found.size()), each * double(large), each * double(blocked),
+          each * double(small_of_parts)};
 }
 
 PairLinesFigures PairLines::figures() const {

@@ -37,12 +37,12 @@ struct PairLinesFigures {
 
 // PairNumbers hold numbers of pairs of patches, of which at least one emits and the other receives.
 struct PairNumbers {
-  double facing = 0;  // with an unoccluded form factor above 0
-  double found = 0;   // the part of `facing` that PairLines::find() would find: not proved to be hidden
-  // The part of `found` that find() keeps: with an unoccluded form factor that is not small, or of a face of several
-  // patches, whose form factors are sums.
-  double large = 0;
+  double facing = 0;   // with an unoccluded form factor above 0
+  double found = 0;    // the part of `facing` that PairLines::find() would find: not proved to be hidden
+  double large = 0;    // the part of `found` with an unoccluded form factor that is not small
   double blocked = 0;  // the part of `found` that something may block
+  // The rest of `found` that find() keeps, too: of a face of several patches, whose form factors are sums.
+  double small_of_parts = 0;
 };
 
 // A UniformTask asks for independent lines of one part of a pair.

@@ -3,9 +3,14 @@
 // Source: S. Joe, F. Kuo, Constructing Sobol sequences with better two-dimensional projections, SIAM J. Sci. Comput.
 // 30, 2008; A. Owen, Randomly permuted (t,m,s)-nets and (t,s)-sequences, 1995.
 #pragma once
+#include <array>
 #include <cstdint>
+#include <initializer_list>
+#include <span>
 
+#include "hash.h"
 #include "pair_lines/lanes.h"
+#include "pair_lines/shared.h"
 
 namespace viewpeel {
 
@@ -40,6 +45,9 @@ class SobolBits {
           if (lane >> k & 1) lanes[d][lane] ^= of[d][k];
   }
 
+  // Returns the direction numbers of all dimensions, kDimensions x kBits.
+  constexpr std::span<const uint32_t> numbers() const { return {&of[0][0], size_t{kDimensions} * kBits}; }
+
   // Returns the binary digits of point number k in dimension d, the first digit lowest.
   constexpr uint32_t digitsOf(uint32_t point, int d) const {
     uint32_t digits = 0;
@@ -54,7 +62,17 @@ class SobolBits {
 inline constexpr SobolBits kSobol;
 static_assert(1 << 4 == kLineLanes);
 
-constexpr float kRandomDigit = 0x1p-24f;  // random numbers in [0, 1) are multiples of it
+// Returns seeds for scrambled(), one a dimension.    In: numbers: of the series of points; other ones give other seeds
+inline std::array<uint32_t, SobolBits::kDimensions> scramblesOf(std::initializer_list<uint64_t> numbers) {
+  std::array<uint32_t, SobolBits::kDimensions> scrambles;
+  for (uint32_t d = 0; d < scrambles.size(); ++d) {
+    Hash hash;
+    for (const uint64_t number : numbers) hash.add(number);
+    hash.add(uint64_t(d));
+    scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
+  }
+  return scrambles;
+}
 
 // Turns the binary digits of Sobol' points into numbers in [0, 1), with Owen's scrambling by a hash (B. Burley,
 // Practical hash-based Owen scrambling, JCGT 9(4), 2020; constants of N. Vegdahl, Building a better LK hash, 2021).
@@ -70,7 +88,7 @@ VIEWPEEL_INLINE typename Words::Floats scrambled(const Words& digits, uint32_t s
   x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
   x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
   x = (x >> 16) | (x << 16);
-  return floatsOf(x >> 8) * kRandomDigit;
+  return floatsOf(x >> 8) * pair_lines_data::kDigit;
 }
 
 }  // namespace viewpeel

@@ -29,8 +29,6 @@ constexpr double kUnitShare = 0x1p-14;     // of the smallest polygon's area: wh
 constexpr size_t kChunk = 16;              // polygons that a thread takes at once
 constexpr float kLeastRoot = 1e-12f;       // numbers are raised to it before their root is taken
 
-Point pointOf(const dvec3& v) { return {static_cast<float>(v.x), static_cast<float>(v.y), static_cast<float>(v.z)}; }
-
 // Returns the square root of numbers from 0 to 1.
 template <class Floats>
 VIEWPEEL_INLINE Floats rootOf(const Floats& x) {
@@ -38,7 +36,7 @@ VIEWPEEL_INLINE Floats rootOf(const Floats& x) {
   return positive * inverseRoot(positive);
 }
 
-// Sets the cosine and the sine of `turn` whole turns, to 2e-7.    In: turn: in [0, 1)
+// Sets the cosine and the sine of an angle, to 2e-7.    In: turn: the angle over that of a whole turn, in [0, 1)
 template <class Floats>
 VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
   constexpr auto kHalfRoot = static_cast<float>(std::numbers::sqrt2 / 2),
@@ -255,12 +253,7 @@ PairCounts RayEngine::count(std::span<const Direction> directions) {
       threads_, scene_.polygons.size(), kChunk,
       [&](size_t thread, size_t k) {
         const auto polygon = static_cast<uint32_t>(k);
-        std::array<uint32_t, 4> scrambles;
-        for (uint32_t d = 0; d < 4; ++d) {
-          Hash hash;
-          for (const uint64_t number : {series.value(), uint64_t(polygon), uint64_t(d)}) hash.add(number);
-          scrambles[d] = static_cast<uint32_t>(hash.value() >> 16);
-        }
+        const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(polygon)});
         runInLanes(
             vectors, [&]<class Types>(Types)
                          __attribute__((always_inline)) { cast<Types>(polygon, scrambles, hits[thread]); });

@@ -138,11 +138,13 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     makeLineEngine();
     return "";
   }
-  if (!setup.plansWhichPairs() || takeRays()) return "";
-  if (!setup.isLarge() && (may_leave || no_promise.empty())) return "";
+  if (!setup.plansWhichPairs()) return "";
+  const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
+  if (!may_have_rays && !may_count) return "";
   const uint32_t replicates = setup.estimate().replicates;
   const LineMixture mixture = setup.mixture();
   LineWork work{pair_lines->estimatePairs(mixture.least_form_factor), double(counts.size()) / kPilotDirections};
+  if ((may_have_rays && takeRays(work.pairs)) || !may_count) return "";
   const bool may_be_exact = !setup.isLarge() && work.pairs.blocked == 0;
   if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
   if (!setup.request().question.isEverything())
@@ -161,20 +163,24 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
 }
 
-// Decides whether each polygon has rays of its own, which see what leaves an open scene and count the small pairs.
-//   Out: whether it has; then line_mixture and its engine are set
-bool FormFactorRun::State::takeRays() {
+// Returns whether each polygon may have rays of its own: where the scene and the request suit rays, and lines for the
+// most pairs that there can be would take longer.
+bool FormFactorRun::State::mayHaveRays() const {
   const Request& request = setup.request();
   const EstimateOptions& options = setup.estimate();
-  if (!may_leave || !options.tolerance || options.relative || !request.question.isEverything() ||
-      request.pair_lines.value_or(false) || !suitsRays(setup.scene(), setup.faceIds()))
-    return false;
-  const LineMixture mixture = rayMixtureFor(options, setup.ids().count());
-  const auto pays = [&](const PairNumbers& numbers) {
-    return paysRays(numbers, mixture, options.replicates, setup.scene().polygons.size());
-  };
   const auto most = double(pairCount(setup.faceIds().count()));
-  if (!pays({most, most, 0, 0}) || !pays(pair_lines->estimatePairs(mixture.least_form_factor))) return false;
+  return may_leave && options.tolerance && !options.relative && request.question.isEverything() &&
+         !request.pair_lines.value_or(false) && suitsRays(setup.scene(), setup.faceIds()) &&
+         paysRays({most, most, 0, 0}, rayMixture(), options.replicates, setup.scene().polygons.size());
+}
+
+LineMixture FormFactorRun::State::rayMixture() const { return rayMixtureFor(setup.estimate(), setup.ids().count()); }
+
+// Decides whether rays see what leaves the scene, and count the small pairs.
+//   Out: whether they do; then line_mixture and its engine are set
+bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
+  const LineMixture mixture = rayMixture();
+  if (!paysRays(numbers, mixture, setup.estimate().replicates, setup.scene().polygons.size())) return false;
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
   line_mixture = mixture;

@@ -110,7 +110,9 @@ struct FormFactorRun::State {
   double measureLeaks(const PairCounts& counts) const;
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
-  bool takeRays();
+  bool mayHaveRays() const;
+  LineMixture rayMixture() const;
+  bool takeRays(const PairNumbers& numbers);
   bool fitMixture(LineMixture mixture, LineWork& work);
   void makeLineEngine();
   void planPairLines();

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/same_bits.h"
 #include "tests/support/compare.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/test_device.h"
@@ -185,14 +186,6 @@ TEST(Laws, ComparisonOfMatricesRejectsAnotherScene) {
       rejected +=
           !areEstimatesOfTheSame(a.form_factors.formFactor(i, j), b.form_factors.formFactor(i, j), a.replicates);
   EXPECT_GT(rejected, 0);
-}
-
-void expectSameBits(const FormFactors& a, const FormFactors& b) {
-  ASSERT_EQ(a.entries().size(), b.entries().size());
-  for (size_t k = 0; k < a.entries().size(); ++k) {
-    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
-    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
-  }
 }
 
 // It does not matter with which corner a polygon starts: the same points are snapped and the same plane is found.

@@ -15,6 +15,7 @@
 #include "scenes/named_scenes.h"
 #include "scenes/random.h"
 #include "scenes/stress.h"
+#include "tests/support/same_bits.h"
 #include "tests/support/reference_shapes.h"
 
 namespace viewpeel {
@@ -31,14 +32,6 @@ Request onHost(Goal goal) {
   request.goal = goal;
   request.engine = EngineKind::host;
   return request;
-}
-
-void expectSameBits(const FormFactors& a, const FormFactors& b) {
-  ASSERT_EQ(a.entries().size(), b.entries().size());
-  for (size_t k = 0; k < a.entries().size(); ++k) {
-    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value) << k;
-    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error) << k;
-  }
 }
 
 // Each goal gives the closed form within its error. Squares that nothing blocks are exact by default, to half of the

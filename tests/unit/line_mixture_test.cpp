@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/same_bits.h"
 #include <viewpeel/compute.h>
 
 #include "engines/host_engine.h"
@@ -134,15 +135,6 @@ class MixedRoom : public testing::Test {
     compare(found, truth_->form_factors);
     compare(truth_->form_factors, found);
     return largest;
-  }
-
-  static void expectSameBits(const FormFactors& a, const FormFactors& b) {
-    ASSERT_EQ(a.entries().size(), b.entries().size());
-    for (size_t k = 0; k < a.entries().size(); ++k)
-      ASSERT_TRUE(a.entries()[k].i == b.entries()[k].i && a.entries()[k].j == b.entries()[k].j &&
-                  a.entries()[k].exchange_area.value == b.entries()[k].exchange_area.value &&
-                  a.entries()[k].exchange_area.standard_error == b.entries()[k].exchange_area.standard_error)
-          << k;
   }
 
   static inline std::unique_ptr<Scene> scene_;
@@ -305,14 +297,7 @@ TEST(MixtureRuns, GoOnFromACheckpoint) {
   EXPECT_THROW(finer.makePlan(), Error);
   EXPECT_NO_THROW(coarser.makePlan());
   std::filesystem::remove(file);
-  const FormFactors resumed = second.result().form_factors;
-  const std::vector<FormFactors::Entry>& a = resumed.entries();
-  const std::vector<FormFactors::Entry>& b = result.form_factors.entries();
-  ASSERT_EQ(a.size(), b.size());
-  for (size_t k = 0; k < a.size(); ++k)
-    ASSERT_TRUE(a[k].i == b[k].i && a[k].j == b[k].j && a[k].exchange_area.value == b[k].exchange_area.value &&
-                a[k].exchange_area.standard_error == b[k].exchange_area.standard_error)
-        << k;
+  expectSameBits(second.result().form_factors, result.form_factors);
 }
 
 // Returns the largest error of the entries of some rows, from the smaller id of each, with environment and leak.
@@ -385,49 +370,6 @@ TEST(MixtureRuns, EstimatesOfSmallRoomsAreMixtures) {
   const PlanSummary promise = planOf(room, requestOf(kGoal));
   ASSERT_TRUE(promise.line_guarantee);
   EXPECT_EQ(promise.line_guarantee->least_form_factor, 0);
-}
-
-// In an open scene rows see the environment, which the few common directions of a mixture would count too roughly.
-// Lines for all pairs of this scene do not fit into memory. So polygons have rays of their own. Two-sided polygons have
-// none, and the plan says why they have no pair lines.
-TEST(MixtureRuns, LargeOpenScenesHaveRays) {
-  InputScene room = bench::roomWithBoxes(5);
-  std::erase_if(room.faces, [](const InputFace& face) {
-    return std::ranges::all_of(face.corners, [](const glm::dvec3& corner) { return corner.z > 2.9; });
-  });
-  const Scene scene = buildScene(room);
-  ASSERT_GT(scene.faces.size(), 8'000u);
-  Request request = requestOf(kGoal);
-  FormFactorRun run(scene, request);
-  run.makePlan();
-  ASSERT_TRUE(run.plan().pair_lines);
-  EXPECT_TRUE(run.plan().pair_lines->has_rays);
-  EXPECT_EQ(run.plan().pair_lines->least_form_factor, kGoal / kMostOfCounted);
-  EXPECT_NE(run.plan().no_promise.find("twice the time of rays"), std::string::npos) << run.plan().no_promise;
-  request.two_sided = true;
-  FormFactorRun two_sided(scene, request);
-  two_sided.makePlan();
-  EXPECT_FALSE(two_sided.plan().pair_lines);
-  EXPECT_NE(two_sided.plan().no_pair_lines.find("lines leave the scene"), std::string::npos)
-      << two_sided.plan().no_pair_lines;
-  EXPECT_EQ(two_sided.plan().no_pair_lines, two_sided.plan().no_promise);
-}
-
-// For a rough goal rays are quicker, and lines for all pairs would be much finer than it. A request for pair lines gets
-// lines for all pairs.
-TEST(MixtureRuns, RoughGoalsOfLargeOpenScenesTakeRays) {
-  const Scene scene = buildScene(bench::city(8'600));
-  FormFactorRun run(scene, requestOf(0.05));
-  run.makePlan();
-  ASSERT_TRUE(run.plan().pair_lines);
-  EXPECT_TRUE(run.plan().pair_lines->has_rays);
-  Request request = requestOf(0.05);
-  request.pair_lines = true;
-  FormFactorRun with_lines(scene, request);
-  with_lines.makePlan();
-  ASSERT_TRUE(with_lines.plan().pair_lines);
-  EXPECT_FALSE(with_lines.plan().pair_lines->has_rays);
-  EXPECT_EQ(with_lines.plan().pair_lines->least_form_factor, 0);
 }
 
 }  // namespace

@@ -35,10 +35,10 @@ Measured entryOf(const FormFactors& all, uint32_t i, uint32_t j) {
   return {0, 0};
 }
 
-// Expects entries to agree. A pair's hits are independent of each other, or better spread. An entry of at least 100
-// expected hits may be off by six of its standard errors: with 32 replicates a normal mean exceeds this in 1 of 800,000
-// cases. Fewer hits are not normal; they exceed the bound below with a probability under exp(-18), by Bernstein's
-// inequality.
+// Expects entries to agree. Hits of independent rays are binomial, and hits by scrambled Sobol' points vary less. An
+// entry of at least 100 expected hits may be off by six of its standard errors: with 32 replicates a normal mean
+// exceeds this in 1 of 800,000 cases. Fewer hits are not normal; they exceed the bound below with a probability under
+// exp(-18), by Bernstein's inequality.
 //   In: rays: of each polygon, in all replicates
 void expectNear(const FormFactors& found, const FormFactors& wanted, double rays) {
   const Ids& ids = found.ids();

@@ -9,6 +9,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/support/same_bits.h"
 #include "engines/host_engine.h"
 #include "estimator/find_prior.h"
 #include "sums/neighbour_visibility.h"
@@ -78,16 +79,6 @@ InputScene cubeInCubeInParts() {
                     ts::parallelogram(face.corners[0] + double(x) * a + double(y) * b, a, b));
       }
   return input;
-}
-
-void expectSameBits(const FormFactors& one, const FormFactors& other) {
-  ASSERT_EQ(one.entries().size(), other.entries().size());
-  for (size_t k = 0; k < one.entries().size(); ++k) {
-    const FormFactors::Entry &a = one.entries()[k], &b = other.entries()[k];
-    ASSERT_TRUE(a.i == b.i && a.j == b.j && a.exchange_area.value == b.exchange_area.value &&
-                a.exchange_area.standard_error == b.exchange_area.standard_error)
-        << a.i << ", " << a.j;
-  }
 }
 
 // A run with unoccluded form factors has the same bits on one processor and on all. It goes through lattices, pilots,
