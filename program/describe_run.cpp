@@ -119,7 +119,7 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
     text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
                         lines.least_form_factor);
   if (lines.has_rays)
-    text += fmt::format("sampling   {} of each polygon a replicate, for the other pairs, environment and leak; ",
+    text += fmt::format("sampling   up to {} of each polygon a replicate, for the other pairs, environment and leak; ",
                         counted(plan.directions, "ray"));
   else if (plan.directions)
     text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",

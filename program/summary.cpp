@@ -169,7 +169,9 @@ std::string describeDirected(const Estimate& estimate) {
 }
 
 std::string describeDirections(const Estimate& estimate, bool has_rays) {
-  return counted(estimate.directions, has_rays ? "ray" : "direction") + (has_rays ? " of each polygon" : "");
+  if (!has_rays) return counted(estimate.directions, "direction");
+  const uint64_t of_replicate = estimate.directions / std::max<uint64_t>(estimate.replicates, 1);
+  return fmt::format("each with up to {} of a polygon", counted(of_replicate, "ray"));
 }
 
 std::string describeResult(const Estimate& estimate) {

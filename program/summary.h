@@ -27,7 +27,8 @@ std::string tabulateLargest(const FormFactors& between_surfaces, size_t rows);
 // Returns text for the line `work`, which follows the number of common directions: how many lines the pairs had, or how
 // many directions the directed pairs had. The text is empty if there were neither lines nor directed pairs.
 std::string describeDirected(const Estimate& estimate);
-// Returns how many common directions a run has counted, or how many rays of each polygon.
+// Returns how many common directions a run has counted, or how many rays a polygon has in a
+// replicate.
 std::string describeDirections(const Estimate& estimate, bool has_rays);
 
 // Returns the largest form factors and describeErrors().

@@ -27,10 +27,12 @@ inline constexpr ReplicateNumbers kLineReplicates{uint64_t(5) << 40, uint64_t(6)
 inline constexpr ReplicateNumbers kEnvironmentReplicates{uint64_t(6) << 40, uint64_t(7) << 40};
 // Directions of products with vectors, which stand in for a matrix, have these numbers.
 inline constexpr ReplicateNumbers kProductReplicates{uint64_t(7) << 40, uint64_t(8) << 40};
+// Pilots that choose how many rays a polygon gets have these numbers.
+inline constexpr ReplicateNumbers kRayReplicates{uint64_t(8) << 40, uint64_t(9) << 40};
 
 // This list has all ranges in order. A test checks that none overlap.
-inline constexpr std::array kReplicateNumbers = {kRunReplicates,         kTrialReplicates,       kPlanReplicates,
-                                                 kPlanLatticeReplicates, kPriorReplicates,       kDirectedReplicates,
-                                                 kLineReplicates,        kEnvironmentReplicates, kProductReplicates};
+inline constexpr std::array kReplicateNumbers = {
+    kRunReplicates,      kTrialReplicates, kPlanReplicates,        kPlanLatticeReplicates, kPriorReplicates,
+    kDirectedReplicates, kLineReplicates,  kEnvironmentReplicates, kProductReplicates,     kRayReplicates};
 
 }  // namespace viewpeel

@@ -17,6 +17,7 @@ namespace viewpeel {
 
 class FaceExchanges;
 class PairSampler;
+class RayEngine;
 
 struct EstimateProgress {
   uint64_t replicates = 0;
@@ -27,8 +28,7 @@ struct EstimateProgress {
 
 struct EstimateOptions {
   Sampler sampler = Sampler::fibonacci;
-  uint32_t directions = 400;  // per replicate; with rays, the rays of each polygon
-  bool has_rays = false;      // whether the engine counts along rays (ray_engine.h)
+  uint32_t directions = 400;  // per replicate; with rays, the most rays of a polygon
   uint32_t replicates = 8;    // the least number of replicates
   bool is_exact = false;      // the run ends after `replicates`, even if its goal is not reached
   // The run adds replicates until the largest standard error is at most this.
@@ -50,6 +50,7 @@ struct EstimateOptions {
   // The run continues from these sums, whose replicates count towards `replicates`. The sums hold first_replicate and
   // the replicates after it, of the same scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
+  RayEngine* rays = nullptr;  // the engine, where it counts along rays (ray_engine.h)
   // With a prior (find_prior.h) the engine and its ids must be by face, and the goals and the result are for the rows
   // of `by`. May be nullptr.
   const Prior* prior = nullptr;

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
-#include "estimator/plan_lines.h"
+#include "estimator/promise_cost.h"
 #include "sums/line_form_factors.h"
 
 namespace viewpeel {
@@ -17,28 +18,22 @@ constexpr double kDirectionsOfGoal = 4;
 constexpr double kLinesOfSide = 3.4;
 constexpr double kMostResolution = 1024;
 // These costs are in processor seconds. A pair with lines costs its search, its lines and its entry, and a hidden pair
-// its search. In cities it takes longer to prove that a pair is hidden: 3.5 to 4.2 us fit the times of three cities.
-constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7, kSecondsOfHiddenInOpen = 5e-6;
+// its search.
+constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
+// In open scenes a pair that nothing blocks costs less, and it takes longer to prove that a pair is hidden, where this
+// is not proved of whole clusters. Five cities of triangles and quads took 0.6 to 1.7 times what these costs give.
+constexpr double kSecondsOfClear = 6e-7, kSecondsOfHiddenInOpen = 3.3e-6;
 constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
 constexpr double kSecondsOfRay = 2e-7;      // of rays that run side by side, sixteen at a time
 constexpr double kWorth = 1.05;             // lines for all pairs may cost this multiple of the mixture's time
-constexpr double kWorthBesideRays = 2;      // the same, of a mixture with rays
+constexpr double kWorthBesideRays = 1.5;    // the same, of a mixture with rays
 constexpr double kSoon = 0.05;              // all pairs get lines where they cost less than this
-// In the worst rows of cities the standard error of the environment is kRayError N^-kRayRate from N rays: measured with
-// 8 x 128 and 8 x 1,024 rays in a city of 6,604 triangles.
-constexpr double kRayError = 1.8, kRayRate = 0.7;
-constexpr uint32_t kLeastRays = 32, kMostRays = 1 << 20;
 
-struct LineSeconds {
-  double all, few;  // that lines for all pairs take, and that lines for a few of them take
-};
-
-//   In: few: the number of these pairs, of pairs.found; of_hidden: seconds of a hidden pair
-LineSeconds secondsOfLines(const PairNumbers& pairs, double few, double of_hidden) {
-  const double all = pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * of_hidden;
-  // The same share of hidden pairs is taken to be among the few as of the others.
-  return {all, pairs.found > 0 ? few / pairs.found * all : 0};
+// Returns the seconds of lines for a few of the pairs that find() would find. The same share of hidden pairs is taken to
+// be among the few as of the others.    In: of_all: seconds of lines for all pairs; few: their number
+double secondsOfFew(const PairNumbers& pairs, double of_all, double few) {
+  return pairs.found > 0 ? few / pairs.found * of_all : 0;
 }
 
 }  // namespace
@@ -56,13 +51,12 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
   return mixture;
 }
 
-LineMixture rayMixtureFor(const EstimateOptions& options, size_t row_count) {
-  const double goal = *options.tolerance, rays = std::pow(kRayError * errorsInRowGoal(row_count) / goal, 1 / kRayRate),
-               of_replicate = std::ceil(rays / options.replicates / kLineLanes) * kLineLanes;
-  return {.least_form_factor = goal / kMostOfCounted,
-          .directions = static_cast<uint32_t>(std::clamp(of_replicate, double(kLeastRays), double(kMostRays))),
+LineMixture rayMixtureFor(double tolerance, std::vector<uint32_t> rays) {
+  const uint32_t most = std::ranges::max(rays);
+  return {.least_form_factor = tolerance / kMostOfCounted,
+          .directions = most,
           .resolution = LatticeOptions{}.resolution,
-          .has_rays = true};
+          .rays = std::move(rays)};
 }
 
 double shareOutside(const PairCounts& counts) {
@@ -89,16 +83,19 @@ bool mayFindAll(const PairNumbers& pairs) {
 
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
   if (!mayFindAll(work.pairs)) return false;
-  const LineSeconds lines = secondsOfLines(work.pairs, work.pairs.large, kSecondsOfHidden);
-  const double of_mixture = lines.few + countedPairs(work, mixture, replicates) * kSecondsOfCount;
-  return lines.all <= std::max(kSoon, kWorth * of_mixture);
+  const double all = work.pairs.found * kSecondsOfPair + (work.pairs.facing - work.pairs.found) * kSecondsOfHidden;
+  const double of_mixture =
+      secondsOfFew(work.pairs, all, work.pairs.large) + countedPairs(work, mixture, replicates) * kSecondsOfCount;
+  return all <= std::max(kSoon, kWorth * of_mixture);
 }
 
-bool paysRays(const PairNumbers& pairs, const LineMixture& mixture, uint32_t replicates, size_t polygon_count) {
+bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
   if (!mayFindAll(pairs)) return true;
-  const LineSeconds lines = secondsOfLines(pairs, pairs.large + pairs.small_of_parts, kSecondsOfHiddenInOpen);
-  const double of_rays = kSecondsOfRay * double(polygon_count) * mixture.directions * replicates;
-  return lines.all > std::max(kSoon, kWorthBesideRays * (lines.few + of_rays));
+  const double hidden = std::max(0.0, pairs.decided - pairs.found),
+               all = (pairs.found - pairs.blocked) * kSecondsOfClear + pairs.blocked * kSecondsOfPair +
+                     hidden * kSecondsOfHiddenInOpen;
+  const double of_mixture = secondsOfFew(pairs, all, pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
+  return all > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) * of_mixture);
 }
 
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {

@@ -6,6 +6,7 @@
 // PairFinder::find leaves them out early. Derivation: docs/method.md, section 13, mixtures.
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
@@ -22,9 +23,11 @@ constexpr double kCountedPairs = 3e7, kCountedOfFace = 750, kMostCountedPairs = 
 
 struct LineMixture {
   double least_form_factor = 0;              // of pairs with lines, unoccluded, from the smaller face; 0: all pairs
-  uint32_t directions = kLineRunDirections;  // of a replicate; with rays, the rays of each polygon
+  uint32_t directions = kLineRunDirections;  // of a replicate; with rays, the most rays of a polygon
   int resolution = 0;                        // of common directions; 0: that of a run in which all pairs have lines
-  bool has_rays = false;                     // whether rays (ray_engine.h) count the other pairs
+  std::vector<uint32_t> rays{};              // of each face in a replicate, which count the other pairs; or none
+
+  bool hasRays() const { return !rays.empty(); }
 };
 
 // Returns the mixture in which common directions count the pairs that are small against the goal.
@@ -32,8 +35,8 @@ struct LineMixture {
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
 
 // Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
-//   In: options: tolerance, replicates; row_count: of polygons
-LineMixture rayMixtureFor(const EstimateOptions& options, size_t row_count);
+//   In: rays: as from planRays()
+LineMixture rayMixtureFor(double tolerance, std::vector<uint32_t> rays);
 
 // Returns the share of all lines that leave the scene or end on backs.
 double shareOutside(const PairCounts& counts);
@@ -62,8 +65,9 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 // Returns whether the mixture with rays takes so much less time than lines for all pairs that these, which are far more
-// exact, do not pay.    In: polygon_count: of the scene
-bool paysRays(const PairNumbers& pairs, const LineMixture& mixture, uint32_t replicates, size_t polygon_count);
+// exact, do not pay.    In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become
+// a promise, which is worth more
+bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
 // Returns how many pairs common directions count, each along each direction that meets it.
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 

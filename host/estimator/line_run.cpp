@@ -8,7 +8,9 @@
 #include <utility>
 
 #include <viewpeel/error.h>
+#include "estimator/plan_rays.h"
 #include "memory.h"
+#include "rays/ray_engine.h"
 #include "sums/add_pairs.h"
 #include "sums/line_form_factors.h"
 #include "sums/mixture_entries.h"
@@ -25,6 +27,9 @@ constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
 // If common directions count pairs, a run ends short of its goal after this multiple of its planned replicates.
 constexpr uint64_t kMostMixtureGrowth = 8;
+// The same where only rows that miss the goal have further rays, and the most replicates that these have at once.
+constexpr uint64_t kMostRayGrowth = 64;
+constexpr double kMostAtOnce = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
 constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
@@ -32,7 +37,7 @@ constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
 RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,
                         const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
-  if (options.has_rays) sums.countRays();
+  if (options.rays) sums.countRays(options.rays->rays());
   if (!options.resumed) {
     sums.lines.emplace(face_ids, options.by, std::move(pairs), least_form_factor);
     return sums;
@@ -141,7 +146,7 @@ void LineRun::measureErrorsOfMixture() {
   const MixtureEntries mixture(*sums_.lines, sums_.by_id, sums_.measure_area, sums_.countArea());
   struct alignas(64) Found {  // threads write to different lines of the processor's caches
     double largest_error = 0;
-    bool needs_directions = false;
+    std::vector<std::pair<uint32_t, double>> rows;  // whose environment or leak misses the goal, and by which factor
     Wanting wanting;
   };
   std::vector<Found> found(mixture.sliceCount());
@@ -159,14 +164,21 @@ void LineRun::measureErrorsOfMixture() {
       },
       [&](size_t slice, size_t, const FormFactors::Entry& entry) {
         noteError(found[slice], entry);
-        if (entry.j >= kEnvironment && excessOf(entry, ids) > 1) found[slice].needs_directions = true;
+        if (entry.j < kEnvironment) return;
+        if (const double excess = excessOf(entry, ids); excess > 1) found[slice].rows.emplace_back(entry.i, excess);
       });
   largest_error_ = 0;
   needs_directions_ = false;
+  further_rays_.assign(ids.count(), 0);
   Wanting wanting;
   for (const Found& of : found) {
     largest_error_ = std::max(largest_error_, of.largest_error);
-    needs_directions_ |= of.needs_directions;
+    needs_directions_ |= !of.rows.empty();
+    for (const auto& [row, excess] : of.rows) {
+      // Variances fall as the number of replicates. Half of the missing ones come next, for the error is rough.
+      const double missing = double(sums_.by_id.replicatesOf(row, kEnvironment)) * (excess * excess - 1) / 2;
+      further_rays_[row] = std::max(further_rays_[row], static_cast<uint32_t>(std::clamp(missing, 1.0, kMostAtOnce)));
+    }
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
   planFurther(wanting, {});
@@ -223,7 +235,7 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
   if (is_reached_) further_.clear();
   if (!hasCountedPairs() || !needs_directions_) return;
   is_reached_ = false;
-  if (sums_.replicateCount() < kMostMixtureGrowth * options_.replicates &&
+  if (sums_.replicateCount() < (hasFurtherRays() ? kMostRayGrowth : kMostMixtureGrowth) * options_.replicates &&
       double(sums_.by_id.pairs().size()) < kMostCountedPairs)
     further_.resize(pairs.size(), 0);
 }
@@ -231,7 +243,8 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
 // Returns an entry's error over the error that the goals allow.
 double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
-               error = errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
+               margin = entry.j >= kEnvironment && hasFurtherRays() ? kRayMargin : 1,
+               error = margin * errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
   double excess = options_.tolerance ? error / (*options_.tolerance * area) : 0;
   if (options_.relative && entry.exchange_area.value >= options_.relative_floor * area)
     excess = std::max(excess, error / (*options_.relative * entry.exchange_area.value));
@@ -278,15 +291,36 @@ void LineRun::step() {
     std::vector<LineCounts> drawn = lines_.countAhead(pairs, replicate, replicatesAhead());
     ahead_.assign(std::move_iterator(drawn.begin()), std::move_iterator(drawn.end()));
   }
+  if (!further_.empty() && hasFurtherRays()) castFurtherRays(replicate, ahead_.front());
+  else addReplicate(replicate, ahead_.front());
+  ahead_.pop_front();
+  measureErrors();
+}
+
+// Counts along common directions, or along all rays, and adds a replicate.
+void LineRun::addReplicate(uint64_t replicate, const LineCounts& lines) {
   PairCounts common;
-  if (options_.directions)
-    common = engine_.count(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate));
+  if (options_.directions) common = engine_.count(directionsOf(replicate));
   leaveOutPairsWithLines(common, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
-  sums_.addLines(replicate, common, options_.directions, ahead_.front());
-  ahead_.pop_front();
-  common = {};  // measuring takes as much memory
-  measureErrors();
+  sums_.addLines(replicate, common, options_.directions, lines);
+}
+
+// Adds replicates in which only the rows that miss the goal have rays. The first one has the lines.
+void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
+  const uint32_t most = std::max(1u, std::ranges::max(further_rays_));
+  std::vector<std::vector<bool>> rows(most);
+  std::vector<PairCounts> counts;
+  for (uint32_t k = 0; k < most; ++k) {
+    for (const uint32_t replicates : further_rays_) rows[k].push_back(k < replicates);
+    counts.push_back(options_.rays->countOutside(directionsOf(replicate + k), rows[k]));
+  }
+  for (uint32_t k = 0; k < most; ++k)  // comes last, for counting may be stopped
+    sums_.addOutside(replicate + k, counts[k], options_.directions, k == 0 ? lines : LineCounts(), rows[k]);
+}
+
+std::vector<Direction> LineRun::directionsOf(uint64_t replicate) const {
+  return sampleDirections(options_.sampler, options_.directions, options_.seed, replicate);
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -29,7 +29,8 @@ class LineRun {
   bool isDone() const;
   // Returns whether the goal is reached, in time or too late.
   bool isReached() const { return is_reached_; }
-  // Counts one replicate.    Throws: as the engine; the sums then stay as they were.
+  // Counts one replicate, or several in which only rows that miss the goal have rays.
+  //   Throws: as the engine; the sums then stay as they were.
   void step();
   const RunSums& sums() const { return sums_; }
   // Returns the largest standard error so far; infinite before the least number of replicates is done.
@@ -48,6 +49,11 @@ class LineRun {
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
+  // After the planned replicates only the environment and the leak of rows that miss the goal get rays.
+  bool hasFurtherRays() const { return options_.rays && options_.by == By::polygon; }
+  std::vector<Direction> directionsOf(uint64_t replicate) const;
+  void addReplicate(uint64_t replicate, const LineCounts& lines);
+  void castFurtherRays(uint64_t replicate, const LineCounts& lines);
 
   Engine& engine_;
   PairLines& lines_;
@@ -58,9 +64,10 @@ class LineRun {
   double largest_error_ = INFINITY;
   // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
-  std::deque<LineCounts> ahead_;   // of the next replicates, whose lines are drawn already
-  bool needs_directions_ = false;  // whether counts of common directions err by more than the goal allows
-  bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs
+  std::deque<LineCounts> ahead_;        // of the next replicates, whose lines are drawn already
+  std::vector<uint32_t> further_rays_;  // by row, in how many of the next replicates it has rays, where there are rays
+  bool needs_directions_ = false;       // whether counts of common directions err by more than the goal allows
+  bool is_reached_ = false;             // whether all pairs have the lines, and the directions, that their goal needs
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
 };

@@ -48,6 +48,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writeReplicateSums(out, "by_surface", sums.by_surface);
   writePriorSums(out, sums);
   writeLineSums(out, sums);
+  if (!sums.rays.empty()) out.write("rays", sums.rays);
   writeFile(file, [&](std::ostream& stream) { out.finish(stream); });
 }
 
@@ -80,7 +81,11 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
   Checkpoint checkpoint{std::move(settings),
                         {std::move(by_id), std::move(by_surface), std::move(replicates), directions, measure_area,
                          std::move(prior_sums), std::move(lines)}};
-  if (has_rays) checkpoint.sums.countRays();
+  if (has_rays) {
+    std::vector<uint32_t> rays = in.read<uint32_t>("rays", checkpoint.sums.by_id.ids().count());
+    if (std::ranges::any_of(rays, [](uint32_t of_face) { return of_face == 0; })) in.refuse("its 'rays' have a 0");
+    checkpoint.sums.countRays(std::move(rays));
+  }
   if (!checkpoint.sums.isWhole()) in.refuse("its list of replicates does not agree with its sums");
   return checkpoint;
 }
@@ -129,11 +134,11 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
                       "same; were they made by one build of viewpeel?",
                       files[k].string(), files.front().string()));
     if (other.sums.lines.has_value() != merged.sums.lines.has_value() ||
-        (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)))
-      throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: pairs have other lines than in {}, for it had another goal; give all parts of a run "
-                              "the same goal and --replicates",
-                              files[k].string(), files.front().string()));
+        (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)) || other.sums.rays != merged.sums.rays)
+      throw Error(ErrorCode::bad_usage, fmt::format("{}: pairs have other lines, or polygons other rays, than in {}, "
+                                                    "for it had another goal; give all parts of a run "
+                                                    "the same goal and --replicates",
+                                                    files[k].string(), files.front().string()));
     if (merged.sums.prior_sums && !merged.sums.prior_sums->directsAs(*other.sums.prior_sums))
       throw Error(ErrorCode::bad_usage,
                   fmt::format("{}: other pairs have directions of their own than in {}, for it had another goal; give "

@@ -142,6 +142,10 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
                              [](const EmptyRow& empty) { return empty.name; });
   }
   out.write(group + "/replicate_count", std::vector<uint64_t>{sums.replicateCount()});
+  if (sums.further().replicates) {
+    out.write(group + "/further/replicate_count", std::vector<uint64_t>{sums.further().replicates});
+    out.write(group + "/further/of_rows", sums.further().of_rows);
+  }
   writeSums(out, group + "/rows", sums.rowSums(), [](const Sum& sum) -> const Sum& { return sum; });
   writeColumn<uint32_t>(out, group + "/pairs/i", sums.pairs(), [](const PairSum& pair) { return pair.i; });
   writeColumn<uint32_t>(out, group + "/pairs/j", sums.pairs(), [](const PairSum& pair) { return pair.j; });
@@ -258,7 +262,15 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   readColumn<uint32_t>(in, group + "/pairs/j", pairs, [](PairSum& pair, uint32_t j) { pair.j = j; });
   readSums(in, group + "/pairs", pairs, [](PairSum& pair) -> Sum& { return pair.sum; });
   requireOrder(in, group + "/pairs", pairs, ids.count());
-  return {std::move(ids), replicate_count, std::move(pairs), std::move(rows)};
+  FurtherReplicates further;
+  if (in.has(group + "/further/replicate_count")) {
+    further.replicates = readOne<uint64_t>(in, group + "/further/replicate_count");
+    further.of_rows = in.read<uint64_t>(group + "/further/of_rows", ids.count());
+    if (further.replicates > replicate_count ||
+        std::ranges::any_of(further.of_rows, [&](uint64_t of_row) { return of_row > further.replicates; }))
+      in.refuse(fmt::format("its '{}/further' has more replicates than there are", group));
+  }
+  return {std::move(ids), replicate_count, std::move(pairs), std::move(rows), std::move(further)};
 }
 
 std::optional<PriorSums> readPriorSums(Hdf5Input& in, const Ids& face_ids, const Ids& surface_ids) {

@@ -63,6 +63,29 @@ class PairFinder::Search {
     for (const auto& [p, q] : pairs) findFacing(p, q, all);
   }
 
+  // Returns whether find() decides on two patches alone or in rows, and not with clusters that hold them.
+  //   In: places: of patches in order_; all: all blockers
+  bool reachesLeaves(uint32_t p, uint32_t q, std::span<const uint32_t> places, const BlockerList& all) {
+    uint32_t a = 0, b = 0;
+    const BlockerList* between = &all;
+    for (size_t depth = 0; !node(a).isLeaf() || !node(b).isLeaf(); ++depth) {
+      if (lists_.size() <= depth) lists_.emplace_back();
+      const auto has = [&](uint32_t k, uint32_t patch) {
+        return node(k).first <= places[patch] && places[patch] < node(k).end;
+      };
+      bool is_kept = false;
+      uint32_t next_a = 0, next_b = 0;
+      forEachPart(a, b, [&](uint32_t m, uint32_t n) {
+        if (is_kept || !((has(m, p) && has(n, q)) || (has(m, q) && has(n, p)))) return;
+        is_kept = keepBetween(*between, m, n, lists_[depth]);
+        next_a = m, next_b = n;
+      });
+      if (!is_kept) return false;
+      a = next_a, b = next_b, between = &lists_[depth];
+    }
+    return true;
+  }
+
   PatchPairs found;
 
  private:
@@ -270,6 +293,16 @@ std::vector<PatchPair> PairFinder::findAmong(std::span<const std::pair<uint32_t,
   Search search(*this, 0, found_count);
   search.findEach(pairs, listAll());
   return std::move(search.found.pairs);
+}
+
+size_t PairFinder::countReachingLeaves(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
+  std::vector<uint32_t> places(patches_.size());
+  for (uint32_t k = 0; k < order_.size(); ++k) places[order_[k]] = k;
+  std::atomic<size_t> found_count = 0;
+  Search search(*this, 0, found_count);
+  const BlockerList all = listAll();
+  return std::ranges::count_if(
+      pairs, [&](const auto& pair) { return search.reachesLeaves(pair.first, pair.second, places, all); });
 }
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {

@@ -135,8 +135,9 @@ PairNumbers PairLines::estimatePairs(double least_form_factor) const {
     return (patches[pair.a].is_part || patches[pair.b].is_part) && !isLarge(pair);
   });
   const auto blocked = std::ranges::count_if(found, [](const PatchPair& pair) { return pair.blocker_count > 0; });
-  return {each * double(facing.size()), each * double(found.size()), each * double(large), each * double(blocked),
-          each * double(small_of_parts)};
+  return {each * double(facing.size()), each * double(finder_.countReachingLeaves(facing)),
+          each * double(found.size()),  each * double(large),
+          each * double(blocked),       each * double(small_of_parts)};
 }
 
 PairLinesFigures PairLines::figures() const {

@@ -38,6 +38,7 @@ struct PairLinesFigures {
 // PairNumbers hold numbers of pairs of patches, of which at least one emits and the other receives.
 struct PairNumbers {
   double facing = 0;   // with an unoccluded form factor above 0
+  double decided = 0;  // the part of `facing` that PairLines::find() decides alone or in rows, not by clusters
   double found = 0;    // the part of `facing` that PairLines::find() would find: not proved to be hidden
   double large = 0;    // the part of `found` with an unoccluded form factor that is not small
   double blocked = 0;  // the part of `found` that something may block

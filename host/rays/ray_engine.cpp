@@ -2,7 +2,9 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <string>
 #include <vector>
@@ -60,11 +62,16 @@ struct Emitter {
   std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide its front, nearest first
 };
 
-class RayEngine : public Engine {
+class TreeRayEngine : public RayEngine {
  public:
-  RayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+  TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
-  PairCounts count(std::span<const Direction> directions) override;
+  PairCounts count(std::span<const Direction> directions) override { return countFrom(directions, nullptr); }
+  PairCounts countOutside(std::span<const Direction> directions, const std::vector<bool>& rows) override {
+    return countFrom(directions, &rows);
+  }
+  void setRays(std::vector<uint32_t> rays) override { rays_ = std::move(rays); }
+  const std::vector<uint32_t>& rays() const override { return rays_; }
   double unitArea() const override { return unit_; }
   std::string describePlan() const override { return "rays of each polygon's own\n"; }
 
@@ -75,13 +82,24 @@ class RayEngine : public Engine {
     std::vector<uint32_t> polygons;    // with rays, in any order
     uint64_t environment = 0, leak = 0;
   };
+  // Points are binary digits of Sobol' points. Sixteen neighbours have nearly the same direction, so that their rays go
+  // through the same boxes.
+  struct Points {
+    explicit Points(uint32_t count);
+    uint32_t count;
+    std::array<std::vector<uint32_t>, 4> digits;
+  };
   Emitter emitterOf(uint32_t polygon, const PolygonTree& near) const;
-  void sortPoints(size_t count);
+  uint32_t raysOf(uint32_t id, size_t directions) const {
+    return rays_.empty() ? static_cast<uint32_t>(directions) : rays_[id];
+  }
+  PairCounts countFrom(std::span<const Direction> directions, const std::vector<bool>* rows);
   template <class Floats>
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Types>
-  void cast(uint32_t polygon, const std::array<uint32_t, 4>& scrambles, Hits& hits) const;
-  void addCounts(uint32_t polygon, double weight, Hits& hits, PairCounts& counts) const;
+  void cast(uint32_t polygon, const Points& points, const std::array<uint32_t, 4>& scrambles, Hits& hits) const;
+  void addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
+                 PairCounts& counts) const;
 
   const Scene& scene_;
   const Ids& ids_;
@@ -90,14 +108,12 @@ class RayEngine : public Engine {
   const std::function<void(uint64_t)> on_batch_;
   const RayTree tree_;
   double unit_;
-  std::vector<Emitter> emitters_;  // by polygon
-  // Binary digits of Sobol' points. Sixteen neighbours have nearly the same direction, so that their rays go through
-  // the same boxes.
-  std::array<std::vector<uint32_t>, 4> points_;
-  size_t point_count_ = 0;
+  std::vector<Emitter> emitters_;      // by polygon
+  std::vector<uint32_t> rays_;         // by id; empty: as many as directions
+  std::map<uint32_t, Points> points_;  // by their number
 };
 
-RayEngine::RayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
+TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : scene_(scene),
       ids_(ids),
       threads_(options.thread_count ? options.thread_count : threadCount()),
@@ -109,7 +125,7 @@ RayEngine::RayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& o
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) emitters_.push_back(emitterOf(k, near));
 }
 
-Emitter RayEngine::emitterOf(uint32_t index, const PolygonTree& near) const {
+Emitter TreeRayEngine::emitterOf(uint32_t index, const PolygonTree& near) const {
   const Polygon& polygon = scene_.polygons[index];
   const dvec3* const c = &scene_.corners[polygon.first_corner];
   const dvec3& last = c[polygon.corner_count - 1];
@@ -136,10 +152,8 @@ Emitter RayEngine::emitterOf(uint32_t index, const PolygonTree& near) const {
   return emitter;
 }
 
-// Makes as many points as there are rays of a polygon, and sorts them by direction: along a Z curve of their first two
-// numbers, which are height and turn.
-void RayEngine::sortPoints(size_t count) {
-  if (count == point_count_) return;
+// Makes points, and sorts them by direction: along a Z curve of their first two numbers, which are height and turn.
+TreeRayEngine::Points::Points(uint32_t number) : count(number) {
   struct Place {
     uint64_t at;
     uint32_t point;
@@ -153,15 +167,14 @@ void RayEngine::sortPoints(size_t count) {
   std::ranges::sort(places, {}, &Place::at);
   const size_t whole = (count + kLineLanes - 1) / kLineLanes * kLineLanes;  // the last lanes may be idle
   for (int d = 0; d < 4; ++d) {
-    points_[d].assign(whole, 0);
-    for (size_t k = 0; k < count; ++k) points_[d][k] = kSobol.digitsOf(places[k].point, d);
+    digits[d].assign(whole, 0);
+    for (size_t k = 0; k < count; ++k) digits[d][k] = kSobol.digitsOf(places[k].point, d);
   }
-  point_count_ = count;
 }
 
 // Returns sixteen rays.    In: u: four numbers in [0, 1) for each, which give height, turn, and the place of the start
 template <class Floats>
-VIEWPEEL_INLINE Rays<Floats> RayEngine::start(const Emitter& from, uint32_t plane, const Floats* u) {
+VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t plane, const Floats* u) {
   Floats cosine, sine;
   turnBy(u[1], cosine, sine);
   const Floats radius = rootOf(u[0]), x = radius * cosine, y = radius * sine, z = rootOf<Floats>(1.0f - u[0]);
@@ -188,18 +201,19 @@ VIEWPEEL_INLINE Rays<Floats> RayEngine::start(const Emitter& from, uint32_t plan
 
 // Casts the rays of a polygon.
 template <class Types>
-[[gnu::always_inline]] inline void RayEngine::cast(uint32_t polygon, const std::array<uint32_t, 4>& scrambles,
-                                                   Hits& hits) const {
+[[gnu::always_inline]] inline void TreeRayEngine::cast(uint32_t polygon, const Points& points,
+                                                       const std::array<uint32_t, 4>& scrambles, Hits& hits) const {
   using Floats = typename Types::Floats;
   constexpr float kFarAway = 4;  // the scene lies in the unit ball
   const Emitter& from = emitters_[polygon];
-  for (size_t first = 0; first < point_count_; first += kLineLanes) {
+  for (size_t first = 0; first < points.count; first += kLineLanes) {
     Floats u[4];
-    for (int d = 0; d < 4; ++d) u[d] = scrambled(load<typename Types::Words>(points_[d].data() + first), scrambles[d]);
+    for (int d = 0; d < 4; ++d)
+      u[d] = scrambled(load<typename Types::Words>(points.digits[d].data() + first), scrambles[d]);
     Rays<Floats> rays = start(from, scene_.polygons[polygon].plane, u);
     rays.distance = Floats(kFarAway), rays.facet = Floats{};
     tree_.meet(rays);
-    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, point_count_ - first));
+    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, points.count - first));
     for (int lane = 0; lane < lanes; ++lane) {
       const Point at{rays.start.x[lane], rays.start.y[lane], rays.start.z[lane]},
           direction{rays.direction.x[lane], rays.direction.y[lane], rays.direction.z[lane]};
@@ -215,29 +229,36 @@ template <class Types>
   }
 }
 
-// Turns the hits of one polygon's rays into counts, and clears them.    In: weight: of a ray
-void RayEngine::addCounts(uint32_t polygon, double weight, Hits& hits, PairCounts& counts) const {
+// Turns the hits of one polygon's rays into counts, and clears them.
+//   In: weight: of a direction; outside_alone: whether only environment and leak count
+void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
+                              PairCounts& counts) const {
   const double area = scene_.polygons[polygon].area;
   const uint32_t id = ids_.of_polygon[polygon];
+  const auto shareOf = [&](uint32_t of) { return raysOf(of, directions) / double(directions); };
+  const double share = shareOf(id);
   // A_i F_ij is twice the count times unitArea(), over the number of directions.
   const auto add = [&](uint32_t other, double rays, double area_of_ray) {
     const auto count = static_cast<uint64_t>(std::llround(rays * weight * area_of_ray / (2 * unit_)));
     if (count > 0) counts.push_back({std::min(id, other), std::max(id, other), count});
   };
   for (const uint32_t met : hits.polygons) {
-    const double other = scene_.polygons[met].area;
-    add(ids_.of_polygon[met], hits.of_polygon[met], area * other / (area + other));
+    const uint32_t other = ids_.of_polygon[met];
+    if (!outside_alone)
+      add(other, hits.of_polygon[met], 1 / (share / area + shareOf(other) / scene_.polygons[met].area));
     hits.of_polygon[met] = 0;
   }
-  add(kEnvironment, double(hits.environment), area);
-  add(kLeak, double(hits.leak), area);
+  add(kEnvironment, double(hits.environment), area / share);
+  add(kLeak, double(hits.leak), area / share);
   hits.polygons.clear();
   hits.environment = hits.leak = 0;
 }
 
-PairCounts RayEngine::count(std::span<const Direction> directions) {
+// Counts along the rays of all polygons; with rows, environment and leak alone, of the polygons of these rows.
+PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const std::vector<bool>* rows) {
   if (directions.empty()) return {};
-  sortPoints(directions.size());
+  for (const uint32_t id : ids_.of_polygon)
+    if (const uint32_t rays = raysOf(id, directions.size()); !points_.contains(rays)) points_.emplace(rays, rays);
   Hash series;
   double weight = 0;
   for (const Direction& direction : directions) {
@@ -253,11 +274,14 @@ PairCounts RayEngine::count(std::span<const Direction> directions) {
       threads_, scene_.polygons.size(), kChunk,
       [&](size_t thread, size_t k) {
         const auto polygon = static_cast<uint32_t>(k);
+        const uint32_t id = ids_.of_polygon[polygon];
+        if (rows && !(*rows)[id]) return;
+        const Points& points = points_.at(raysOf(id, directions.size()));
         const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(polygon)});
         runInLanes(
             vectors, [&]<class Types>(Types)
-                         __attribute__((always_inline)) { cast<Types>(polygon, scrambles, hits[thread]); });
-        addCounts(polygon, weight, hits[thread], counts[thread]);
+                         __attribute__((always_inline)) { cast<Types>(polygon, points, scrambles, hits[thread]); });
+        addCounts(polygon, directions.size(), weight, rows, hits[thread], counts[thread]);
       },
       [&](size_t) {
         if (stop_) stop_();
@@ -274,8 +298,14 @@ bool suitsRays(const Scene& scene, const Ids& ids) {
                              [](const Polygon& polygon) { return polygon.area > kLeastSize * kLeastSize; });
 }
 
-std::unique_ptr<Engine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {
-  return std::make_unique<RayEngine>(scene, ids, options);
+uint32_t RayEngine::usualRays(double at_least) {
+  const auto rays = std::bit_ceil(std::max(kLeastRays, static_cast<uint32_t>(std::ceil(at_least))));
+  // Three quarters of 64 or more are a multiple of the sixteen rays that are cast at a time.
+  return rays >= 4 * kLeastRays && rays / 4 * 3 >= at_least ? rays / 4 * 3 : rays;
+}
+
+std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {
+  return std::make_unique<TreeRayEngine>(scene, ids, options);
 }
 
 }  // namespace viewpeel

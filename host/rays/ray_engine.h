@@ -1,13 +1,17 @@
 // Engine `rays` counts along rays of each polygon's own. Common directions say little of a polygon that few of their
-// lines meet, such as a small triangle in a city; each polygon has the same number of rays.
+// lines meet, such as a small triangle in a city. Polygons may have different numbers of rays: more where more of what
+// leaves the scene is in doubt (plan_rays.h).
 //
 // A ray starts at a random point of its polygon, in a random direction of the cosine law, and ends on the first polygon
-// that it meets. Of N rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of i and of j
-// both estimate A_i F_ij = A_j F_ji, with variances near A_i and A_j times the same number. The mean of the two with
-// weights A_j and A_i has the least variance, and is reciprocal: every ray between the two adds A_i A_j / (A_i + A_j) /
-// N to the pair (docs/method.md, section 13, rays).
+// that it meets. Of n_i rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of i and of
+// j both estimate A_i F_ij = A_j F_ji, with variances near A_i / n_i and A_j / n_j times the same number. The mean of
+// least variance is reciprocal: every ray between the two adds 1 / (n_i / A_i + n_j / A_j) to the pair (docs/method.md,
+// section 13, rays).
 #pragma once
+#include <cstdint>
 #include <memory>
+#include <span>
+#include <vector>
 
 #include <viewpeel/engine.h>
 #include "engines/lattice_options.h"
@@ -17,13 +21,30 @@ namespace viewpeel {
 // Returns whether rays may be used: polygons emit on one side, and are not too small for single precision.
 bool suitsRays(const Scene& scene, const Ids& ids);
 
-// Makes the engine. For each of N directions that it is given, each polygon has one ray. The directions themselves are
-// seeds alone: the same ones give the same counts, and other ones independent counts.
+// A RayEngine is an engine that counts along rays.
+class RayEngine : public Engine {
+ public:
+  // Returns the least usual number of rays of a polygon: 2^k or 3 x 2^(k - 1), and at least kLeastRays. Sobol' points
+  // are most even for such numbers.
+  static uint32_t usualRays(double at_least);
+  static constexpr uint32_t kLeastRays = 16;
+
+  // Sets how many rays each polygon has in a call of count().
+  //   In: rays: uint32_t[ids], from usualRays(); count() then must be given as many directions as the largest of them
+  virtual void setRays(std::vector<uint32_t> rays) = 0;
+  virtual const std::vector<uint32_t>& rays() const = 0;  // as set; empty: as many as directions
+  // Counts environment and leak alone, as count() does.    In: rows: bool[ids], whose polygons have rays
+  virtual PairCounts countOutside(std::span<const Direction> directions, const std::vector<bool>& rows) = 0;
+};
+
+// Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says
+// otherwise. The directions themselves are seeds alone: the same ones give the same counts, and other ones independent
+// counts.
 //   In: scene, ids: that suitsRays(), of the whole matrix; both are kept by reference; options: it reads thread_count,
 //     stop and on_batch
 //   Method: Sobol' points in four dimensions, scrambled for each polygon and each call of count() apart
 //   Error: counts are unbiased but for rounding to single precision, which moves starts and edges by up to kRayReach
-//   Cost: count() of N directions takes some 0.1 to 0.3 us a ray.
-std::unique_ptr<Engine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
+//   Cost: counting takes some 0.1 to 0.3 us a ray.
+std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 }  // namespace viewpeel

@@ -2,14 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
-#include "rays/ray_engine.h"
 #include "estimator/plan_lines.h"
+#include "estimator/plan_rays.h"
 #include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
@@ -106,10 +107,11 @@ uint32_t FormFactorRun::State::commonDirections() const {
 void FormFactorRun::State::makeLineEngine() {
   Lattices lattices = setup.lattices();
   int& resolution = lattices.lattice.resolution;
-  if (line_mixture.has_rays) {
-    plan->directions = line_mixture.directions;
-    plan->groups = groupAsOne(setup.scene(), line_mixture.resolution);
-    plan->engine = makeRayEngine(setup.scene(), setup.faceIds(), lattices.lattice);
+  rays = nullptr;
+  if (line_mixture.hasRays()) {
+    auto engine = makeRayEngine(setup.scene(), setup.faceIds(), lattices.lattice);
+    engine->setRays(line_mixture.rays);
+    useRays(std::move(engine));
     return;
   }
   const bool is_mixture = line_mixture.resolution > 0;
@@ -133,8 +135,7 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
           fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
                       "ask for that --tolerance or a larger one, or take another file",
                       resumed_file.string(), least, most));
-    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0,
-                    findSetting(resumed->settings, "--rays").has_value()};
+    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0, resumed->sums.rays};
     makeLineEngine();
     return "";
   }
@@ -171,21 +172,45 @@ bool FormFactorRun::State::mayHaveRays() const {
   const auto most = double(pairCount(setup.faceIds().count()));
   return may_leave && options.tolerance && !options.relative && request.question.isEverything() &&
          !request.pair_lines.value_or(false) && suitsRays(setup.scene(), setup.faceIds()) &&
-         paysRays({most, most, 0, 0}, rayMixture(), options.replicates, setup.scene().polygons.size());
+         paysRays({.facing = most, .decided = most, .found = most, .blocked = most}, pilotRays(), mayPromise());
 }
 
-LineMixture FormFactorRun::State::rayMixture() const { return rayMixtureFor(setup.estimate(), setup.ids().count()); }
+// Returns whether the tolerance may become a promise, where all pairs have lines.
+bool FormFactorRun::State::mayPromise() const { return no_promise.empty() && !setup.isLarge(); }
+
+// Returns the number of rays of a pilot, of all polygons.
+double FormFactorRun::State::pilotRays() const {
+  return double(setup.scene().polygons.size()) * kPilotRays * kPilotReplicates;
+}
 
 // Decides whether rays see what leaves the scene, and count the small pairs.
 //   Out: whether they do; then line_mixture and its engine are set
 bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
-  const LineMixture mixture = rayMixture();
-  if (!paysRays(numbers, mixture, setup.estimate().replicates, setup.scene().polygons.size())) return false;
+  if (!paysRays(numbers, pilotRays(), mayPromise())) return false;
+  const Ids& face_ids = setup.faceIds();
+  const EstimateOptions& options = setup.estimate();
+  auto engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
+  std::vector<uint32_t> rows = face_ids.surface;
+  if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
+  std::vector<uint32_t> of_faces =
+      planRays(*engine, setup.scene(), face_ids, rows, *options.tolerance, options.replicates, options.seed);
+  double all = 0;
+  for (const uint32_t face : face_ids.of_polygon) all += of_faces[face];
+  if (!paysRays(numbers, all * options.replicates, mayPromise())) return false;
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
-  line_mixture = mixture;
-  makeLineEngine();
+  line_mixture = rayMixtureFor(*options.tolerance, std::move(of_faces));
+  engine->setRays(line_mixture.rays);
+  useRays(std::move(engine));
   return true;
+}
+
+// Plans to count along rays.    In: engine: with the rays of line_mixture
+void FormFactorRun::State::useRays(std::unique_ptr<RayEngine> engine) {
+  plan->directions = line_mixture.directions;
+  plan->groups = groupAsOne(setup.scene(), line_mixture.resolution);
+  rays = engine.get();
+  plan->engine = std::move(engine);
 }
 
 // Takes the finest lattice at which the sums of counted pairs fit into memory.
@@ -292,9 +317,9 @@ void FormFactorRun::State::planEstimateLines() {
         planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, is_open, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
-  plan->pair_lines = {figures.clear,        figures.partial,      0,
-                      figures.blockers,     secondsSince(*start), line_mixture.least_form_factor,
-                      line_mixture.has_rays};
+  plan->pair_lines = {figures.clear,         figures.partial,      0,
+                      figures.blockers,      secondsSince(*start), line_mixture.least_form_factor,
+                      line_mixture.hasRays()};
   for (const LinePair& pair : line_pairs)
     plan->pair_lines->lines += static_cast<uint64_t>(pair.linesIn(options.replicates));
 }

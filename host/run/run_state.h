@@ -17,6 +17,7 @@
 #include "estimator/line_guarantee.h"
 #include "estimator/line_run.h"
 #include "io/checkpoint.h"
+#include "rays/ray_engine.h"
 #include "run/setup.h"
 #include "run/summaries.h"
 #include "stopwatch.h"
@@ -43,6 +44,7 @@ struct FormFactorRun::State {
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
   LineMixture line_mixture{};        // pairs with lines, and directions that count the others
+  RayEngine* rays = nullptr;         // the plan's engine, where it counts along rays
   std::vector<LinePair> line_pairs;  // as found, then with their planned lines
   double finding_seconds = 0;        // that it took to find them
   std::optional<LineRun> line_run;
@@ -111,8 +113,10 @@ struct FormFactorRun::State {
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
   bool mayHaveRays() const;
-  LineMixture rayMixture() const;
+  bool mayPromise() const;
+  double pilotRays() const;
   bool takeRays(const PairNumbers& numbers);
+  void useRays(std::unique_ptr<RayEngine> engine);
   bool fitMixture(LineMixture mixture, LineWork& work);
   void makeLineEngine();
   void planPairLines();

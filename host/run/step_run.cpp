@@ -25,7 +25,7 @@ void FormFactorRun::State::findPrior() {
 EstimateOptions FormFactorRun::State::estimateOptions() {
   EstimateOptions options = setup.estimate();
   options.directions = plan->directions;
-  options.has_rays = line_mixture.has_rays;
+  options.rays = rays;
   options.resumed = resumed ? &resumed->sums : nullptr;
   options.pairs = &pairs;
   if (setup.usesUnoccluded()) {

@@ -19,7 +19,11 @@ class MixtureEntries {
   //   In: lines, counted: kept by reference, no pair is in both; no pair with lines has a back. measure_area,
   //     count_area: as in ReplicateSums
   MixtureEntries(const LineSums& lines, const ReplicateSums& counted, double measure_area, double count_area)
-      : lines_(lines), counted_(counted), measure_area_(measure_area), count_area_(count_area) {}
+      : lines_(lines),
+        counted_(counted),
+        measure_area_(measure_area),
+        count_area_(count_area),
+        ray_efficiency_(counted.rayEfficiency(measure_area, count_area)) {}
 
   size_t count() const { return lines_.pairs().size() + counted_.pairs().size(); }
   // Slices are the entries of ranges of rows: RowRanges.
@@ -48,7 +52,7 @@ class MixtureEntries {
 
   const LineSums& lines_;
   const ReplicateSums& counted_;
-  double measure_area_, count_area_;
+  double measure_area_, count_area_, ray_efficiency_;
 };
 
 }  // namespace viewpeel

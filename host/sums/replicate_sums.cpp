@@ -37,27 +37,44 @@ void ReplicateSums::addRows(const PairCounts& counts) {
   for (size_t k = 0; k < rows.size(); ++k) row_sums_[k].add(rows[k]);
 }
 
+void ReplicateSums::addOutside(const PairCounts& counts, const std::vector<bool>& rows) {
+  ++replicate_count_;
+  ++further_.replicates;
+  further_.of_rows.resize(ids_.count());
+  for (size_t k = 0; k < rows.size(); ++k) further_.of_rows[k] += rows[k];
+  pairs_.add(counts, [](PairSum& sum, const PairCount& count) { sum.sum.add(count.count); });
+}
+
 void ReplicateSums::add(const ReplicateSums& others) {
   replicate_count_ += others.replicate_count_;
+  further_.replicates += others.further_.replicates;
+  further_.of_rows.resize(std::max(further_.of_rows.size(), others.further_.of_rows.size()));
+  for (size_t k = 0; k < others.further_.of_rows.size(); ++k) further_.of_rows[k] += others.further_.of_rows[k];
   pairs_.add(others.pairs_, [](PairSum& sum, const PairSum& pair) { sum.sum.add(pair.sum); });
   for (size_t k = 0; k < row_sums_.size(); ++k) row_sums_[k].add(others.row_sums_[k]);
 }
 
+uint64_t ReplicateSums::replicatesOf(uint32_t i, uint32_t j) const {
+  const bool has_further = j >= kEnvironment && !further_.of_rows.empty();
+  return replicate_count_ - further_.replicates + (has_further ? further_.of_rows[i] : 0);
+}
+
 // Returns the mean count of a replicate with the standard error of docs/method.md, eq. (12), which is infinite from a
 // single replicate.
-//   In: most_counts: the most counts that a direction adds, A / h^2 in eq. (12)
-Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
-  const Wide replicates = replicate_count_;
+//   In: replicates: in which the pair could be counted; most_counts: the most counts that a direction adds, A / h^2 in
+//   eq. (12), or twice what a ray adds
+Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, double most_counts) const {
+  const Wide replicates = replicate_count;
   Measured measured;
-  measured.value = double(sum.sum) / double(replicate_count_);
-  if (replicate_count_ < 2) {
+  measured.value = double(sum.sum) / double(replicate_count);
+  if (replicate_count < 2) {
     measured.standard_error = INFINITY;
     return measured;
   }
   // The spread is R (R - 1) s^2, without rounding.
   const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
-  const double r = double(replicate_count_), variance = double(spread) / (r - 1);
-  const double counted = double(sum.sum), least = has_rays_ ? std::max(1.0, most_counts / 2) : 1,
+  const double r = double(replicate_count), variance = double(spread) / (r - 1);
+  const double counted = double(sum.sum), least = ray_areas_.empty() ? 1 : std::max(1.0, most_counts / 2),
                at_a_time = spread ? std::max(least, variance / counted) : least;
   const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
   measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
@@ -65,9 +82,38 @@ Measured ReplicateSums::measure(const Sum& sum, double most_counts) const {
 }
 
 Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, double count_area) const {
-  const Measured count = measure(pair.sum, std::isinf(count_area) ? 0 : ids_.smallerArea(pair.i, pair.j) / count_area);
+  double area = ids_.smallerArea(pair.i, pair.j);
+  if (!ray_areas_.empty())
+    area = pair.j < kEnvironment ? std::min(ray_areas_[pair.i], ray_areas_[pair.j]) : ray_areas_[pair.i];
+  const Measured count =
+      measure(pair.sum, replicatesOf(pair.i, pair.j), std::isinf(count_area) ? 0 : area / count_area);
   const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
   return {count.value * scale, count.standard_error * scale};
+}
+
+double ReplicateSums::binomialVariance(uint32_t row, double exchange, double measure_area, double count_area) const {
+  const double area = ids_.areas[row], directions = count_area / measure_area,
+               rays = directions * area / ray_areas_[row] * double(replicatesOf(row, kEnvironment));
+  return std::max(0.0, exchange * (area - exchange)) / rays;
+}
+
+double ReplicateSums::rayEfficiency(double measure_area, double count_area) const {
+  if (ray_areas_.empty()) return 0;
+  struct alignas(64) Part {  // threads write to different lines of the processor's caches
+    double variance = 0, binomial = 0;
+  };
+  std::vector<Part> parts(pairs_.ranges().count());
+  pairs_.forEachBlock([&](size_t block, size_t) {
+    for (const PairSum& pair : pairs_.block(block)) {
+      if (pair.j != kEnvironment) continue;
+      const Measured exchange = exchangeArea(pair, measure_area, count_area);
+      parts[block].variance += exchange.standard_error * exchange.standard_error;
+      parts[block].binomial += binomialVariance(pair.i, exchange.value, measure_area, count_area);
+    }
+  });
+  Part all;
+  for (const Part& part : parts) all.variance += part.variance, all.binomial += part.binomial;
+  return all.binomial > 0 ? std::min(1.0, all.variance / all.binomial) : 0;
 }
 
 FormFactors ReplicateSums::formFactors(double measure_area, double count_area) const {
@@ -82,7 +128,7 @@ FormFactors ReplicateSums::formFactors(double measure_area, double count_area) c
 std::vector<Measured> ReplicateSums::measureRows(double measure_area) const {
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
-    const Measured count = measure(row_sums_[k], 0);
+    const Measured count = measure(row_sums_[k], replicate_count_ - further_.replicates, 0);
     const double scale = 2 * measure_area / ids_.areas[k];
     rows.push_back({count.value * scale, count.standard_error * scale});
   }

@@ -12,6 +12,12 @@
 
 namespace viewpeel {
 
+// FurtherReplicates are replicates in which only some rows had rays (ReplicateSums::addOutside).
+struct FurtherReplicates {
+  uint64_t replicates = 0;        // their number
+  std::vector<uint64_t> of_rows;  // by row, how many of them it had rays in; empty where there are none
+};
+
 // A ReplicateSums holds exact sums, in 128-bit integers.
 class ReplicateSums {
  public:
@@ -35,16 +41,23 @@ class ReplicateSums {
 
   explicit ReplicateSums(Ids ids) : ids_(std::move(ids)), pairs_(ids_.count()), row_sums_(ids_.count()) {}
   // Restores sums from a checkpoint.    In: pairs: sorted by (i, j), every pair at most once; row_sums: Sum[ids]
-  ReplicateSums(Ids ids, uint64_t replicate_count, const std::vector<PairSum>& pairs, std::vector<Sum> row_sums)
+  ReplicateSums(Ids ids, uint64_t replicate_count, const std::vector<PairSum>& pairs, std::vector<Sum> row_sums,
+                FurtherReplicates further = {})
       : ids_(std::move(ids)),
         pairs_(ids_.count(), pairs),
         row_sums_(std::move(row_sums)),
-        replicate_count_(replicate_count) {}
+        replicate_count_(replicate_count),
+        further_(std::move(further)) {}
 
-  // Says that counts are of rays (ray_engine.h): a ray adds up to half of the most counts that a direction adds.
-  void countRays() { has_rays_ = true; }
+  // Says that counts are of rays (ray_engine.h).
+  //   In: areas: double[ids], of each row's largest polygon, over its share of rays: their number over that of
+  //     directions; input units squared
+  void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
+  // Adds a replicate in which only some rows had rays, for their environment and leak.
+  //   In: counts: of environment and leak; rows: bool[ids]
+  void addOutside(const PairCounts& counts, const std::vector<bool>& rows);
   // Adds one replicate to the row sums alone, for runs whose pairs are summed elsewhere.
   void addRows(const PairCounts& counts);
   // Adds sums of other replicates.    In: others: sums of the same ids    Cost: O(pairs).
@@ -54,6 +67,9 @@ class ReplicateSums {
   const PairBlocks<PairSum>& pairs() const { return pairs_; }
   const std::vector<Sum>& rowSums() const { return row_sums_; }
   uint64_t replicateCount() const { return replicate_count_; }
+  const FurtherReplicates& further() const { return further_; }
+  // Returns the number of replicates in which a pair could be counted.
+  uint64_t replicatesOf(uint32_t i, uint32_t j) const;
 
   // Returns the form factors of all pairs with a facing line: A_i F_ij = 2 measure_area x (mean count of a replicate),
   // or twice as much for i = j.
@@ -64,6 +80,11 @@ class ReplicateSums {
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // Returns the row sums of the same form factors, with their own spread over replicates.
   std::vector<Measured> measureRows(double measure_area) const;
+  // Returns how much the environments of rows with rays vary, over all rows: the sum of their variances over the sum of
+  // those that independent rays would have. Returns 0 without rays.    In: as in formFactors
+  double rayEfficiency(double measure_area, double count_area) const;
+  // Returns the variance that an environment of this exchange area would have by independent rays.
+  double binomialVariance(uint32_t row, double exchange, double measure_area, double count_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
@@ -79,7 +100,7 @@ class ReplicateSums {
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
-  Measured measure(const Sum& sum, double most_counts) const;
+  Measured measure(const Sum& sum, uint64_t replicates, double most_counts) const;
   template <class ErrorOf>
   double largestOf(const ErrorOf& error_of) const;
 
@@ -87,7 +108,8 @@ class ReplicateSums {
   PairBlocks<PairSum> pairs_;
   std::vector<Sum> row_sums_;
   uint64_t replicate_count_ = 0;
-  bool has_rays_ = false;
+  FurtherReplicates further_;
+  std::vector<double> ray_areas_;  // by row, as in countRays(); empty: counts are along common directions
 };
 
 // Returns a bound on the form factor of a pair that no line met, with 95 % confidence: docs/method.md, eq. (13).

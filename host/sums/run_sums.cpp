@@ -55,6 +55,27 @@ bool RunSums::isWhole() const {
            prior_sums->directed().replicateCount() == count));
 }
 
+void RunSums::countRays(std::vector<uint32_t> of_faces) {
+  rays = std::move(of_faces);
+  const Ids& faces = by_id.ids();
+  const double directions_of_replicate = rays.empty() ? 0 : std::ranges::max(rays);
+  std::vector<double> areas(faces.count()), areas_of_surfaces(by_surface.ids().count());
+  for (uint32_t k = 0; k < faces.count(); ++k) {
+    areas[k] = faces.areas[k] * directions_of_replicate / rays[k];
+    double& largest = areas_of_surfaces[faces.surface[k]];
+    largest = std::max(largest, areas[k]);
+  }
+  by_id.countRays(std::move(areas));
+  by_surface.countRays(std::move(areas_of_surfaces));
+}
+
+// Notes that a replicate is done.
+void RunSums::note(uint64_t replicate, uint64_t direction_count) {
+  replicates.push_back({replicate, replicate + 1});
+  replicates = joinRanges(std::move(replicates));
+  directions += direction_count;
+}
+
 void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed) {
   const auto addTo = [&](size_t, size_t k) {
     if (k == 0 && prior_sums) prior_sums->add(counts, directed);
@@ -62,15 +83,21 @@ void RunSums::add(uint64_t replicate, const PairCounts& counts, uint64_t directi
     if (k == 2) hasPairsInVisible() ? by_id.addRows(counts) : by_id.add(counts);
   };
   shareOut(threadsFor(counts.size()), 3, 1, addTo);
-  replicates.push_back({replicate, replicate + 1});
-  replicates = joinRanges(std::move(replicates));
-  directions += direction_count;
+  note(replicate, direction_count);
 }
 
 void RunSums::addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
                        const LineCounts& line_counts) {
   lines->add(line_counts);
   add(replicate, counts, direction_count);
+}
+
+void RunSums::addOutside(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
+                         const LineCounts& line_counts, const std::vector<bool>& rows) {
+  lines->add(line_counts);
+  by_id.addOutside(counts, rows);
+  by_surface.addOutside({}, {});
+  note(replicate, direction_count);
 }
 
 void RunSums::add(const RunSums& others) {

@@ -31,6 +31,7 @@ struct RunSums {
   std::optional<PriorSums> prior_sums{};   // in runs that use unoccluded form factors; ids of by_id are faces then
   // A run with pair lines has their sums here. Ids of by_id are faces then.
   std::optional<LineSums> lines{};
+  std::vector<uint32_t> rays{};  // by face, of a replicate, where by_id counts rays (ray_engine.h); else empty
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // Returns whether PriorSums::byFace has the counts of all pairs: in runs by polygon that use unoccluded form factors.
@@ -41,8 +42,8 @@ struct RunSums {
   // Returns whether all sums have the same replicates. They differ where an exception has ended a call of add early.
   bool isWhole() const;
 
-  // Says that counts are of rays: ReplicateSums::countRays.
-  void countRays() { by_id.countRays(), by_surface.countRays(); }
+  // Says that counts are of rays: ReplicateSums::countRays.    In: of_faces: uint32_t[ids of by_id]
+  void countRays(std::vector<uint32_t> of_faces);
   // Adds one replicate.
   //   In: replicate: its number, not among `replicates`; counts: along common directions, by id; direction_count:
   //     number of these directions; directed: counts of directed pairs along their directions
@@ -50,6 +51,10 @@ struct RunSums {
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   // Adds one replicate of a run with pair lines.    In: as in add; line_counts: sums of the pair lines
   void addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts);
+  // Adds one replicate in which only some faces had rays, for their environment and leak.
+  //   In: as in addLines; rows: bool[ids of by_id]
+  void addOutside(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts,
+                  const std::vector<bool>& rows);
   // Adds other replicates of the same run.
   //   In: others: with none of this one's replicates; with the same ids, measure_area and prior visibilities
   //   Cost: O(pairs).
@@ -64,6 +69,9 @@ struct RunSums {
   FormFactors priorFormFactors() const;
   // Returns the form factors between surfaces.
   FormFactors betweenSurfaces() const;
+
+ private:
+  void note(uint64_t replicate, uint64_t direction_count);
 };
 
 // Makes the sums of a run to which no replicate has been added yet.

@@ -105,7 +105,8 @@ struct PairLinesSummary {
   // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions or by rays.
   double least_form_factor = 0;
   // Whether rays of each polygon's own count them, and what leaves the scene. PlanSummary::directions then is the
-  // number of rays of each polygon.
+  // largest number of rays of a polygon in a replicate, and Estimate::directions that times the replicates. After the
+  // planned replicates only polygons whose environment or leak misses the goal have rays.
   bool has_rays = false;
 };
 

@@ -276,6 +276,8 @@ TEST(PairFinder, SinglePairsAreCounted) {
     EXPECT_LT(numbers.large, numbers.found);
     EXPECT_GT(numbers.blocked, 0);
     EXPECT_LT(numbers.blocked, numbers.found);
+    EXPECT_LE(numbers.found, numbers.decided + allowed);
+    EXPECT_LE(numbers.decided, numbers.facing);
     EXPECT_LT(numbers.found, numbers.facing);
     EXPECT_GT(numbers.facing, 1.2 * double(found));
   }

@@ -40,17 +40,17 @@ TEST(LineMixture, IsTakenWherePairsAreMany) {
   EXPECT_EQ(mixture.least_form_factor, kGoal / kMostOfCounted);
   EXPECT_GE(mixture.directions * 8, 4 / kGoal);
   EXPECT_GT(mixture.resolution, LatticeOptions{}.resolution);
-  EXPECT_TRUE(paysLinesForAll({{1e4, 1e4, 1e3}, 1e2}, mixture, 8));  // takes little time anyway
-  EXPECT_FALSE(paysLinesForAll({{2e6, 1e6, 1e5}, 1e3}, mixture, 8));
-  EXPECT_TRUE(paysLinesForAll({{2e6, 1e6, 1e6}, 1e3}, mixture, 8));  // nearly all pairs are large
-  EXPECT_TRUE(paysLinesForAll({{2e6, 1e6, 1e5}, 3e4}, mixture, 8));  // directions take as long
+  EXPECT_TRUE(paysLinesForAll({{1e4, 1e4, 1e4, 1e3}, 1e2}, mixture, 8));  // takes little time anyway
+  EXPECT_FALSE(paysLinesForAll({{2e6, 2e6, 1e6, 1e5}, 1e3}, mixture, 8));
+  EXPECT_TRUE(paysLinesForAll({{2e6, 2e6, 1e6, 1e6}, 1e3}, mixture, 8));  // nearly all pairs are large
+  EXPECT_TRUE(paysLinesForAll({{2e6, 2e6, 1e6, 1e5}, 3e4}, mixture, 8));  // directions take as long
   EXPECT_FALSE(mayPayMixture(100));
   EXPECT_TRUE(mayPayMixture(1'000));
-  EXPECT_FALSE(paysLinesForAll({{3e7, 2.0 * kMostPatchPairs}, 1e7}, mixture, 8));
-  EXPECT_TRUE(mayFindAll({3e7, double(kMostPatchPairs)}));
-  EXPECT_FALSE(mayFindAll({3e7, 1.1 * kMostPatchPairs}));
-  EXPECT_FALSE(mayFindAll({2e8, 1e6}));
-  EXPECT_EQ(countedPairs({{1e6, 1e6}, 7e4}, mixture, 8), 7e4 * 8 * mixture.directions);
+  EXPECT_FALSE(paysLinesForAll({{3e7, 3e7, 2.0 * kMostPatchPairs}, 1e7}, mixture, 8));
+  EXPECT_TRUE(mayFindAll({3e7, 3e7, double(kMostPatchPairs)}));
+  EXPECT_FALSE(mayFindAll({3e7, 3e7, 1.1 * kMostPatchPairs}));
+  EXPECT_FALSE(mayFindAll({2e8, 2e8, 1e6}));
+  EXPECT_EQ(countedPairs({{1e6, 1e6, 1e6}, 7e4}, mixture, 8), 7e4 * 8 * mixture.directions);
   EXPECT_TRUE(mayFit(mixture, 8, 600'000));
   EXPECT_FALSE(mayFit(mixture, 8, 1'200'000));
   const LineMixture fine = mixtureFor(optionsOf(kGoal / 100), 1e-4);

@@ -21,8 +21,10 @@ namespace ts = test_scenes;
 constexpr uint32_t kReplicates = 32;
 
 // Returns form factors from replicates of this number of rays of each polygon.
-FormFactors byRays(const Scene& scene, const Ids& ids, uint32_t rays, size_t threads = 2) {
-  const std::unique_ptr<Engine> engine = makeRayEngine(scene, ids, {.thread_count = static_cast<uint32_t>(threads)});
+//   In: of_ids: as RayEngine::setRays() takes them, or empty
+FormFactors byRays(const Scene& scene, const Ids& ids, uint32_t rays, std::vector<uint32_t> of_ids = {}) {
+  const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
+  engine->setRays(std::move(of_ids));
   ReplicateSums sums(ids);
   for (uint32_t r = 0; r < kReplicates; ++r) sums.add(engine->count(sampleDirections(Sampler::iid, rays, 3, r)));
   const double unit = engine->unitArea() * scene.scale * scene.scale;
@@ -36,17 +38,18 @@ Measured entryOf(const FormFactors& all, uint32_t i, uint32_t j) {
 }
 
 // Expects entries to agree. Hits of independent rays are binomial, and hits by scrambled Sobol' points vary less. An
-// entry of at least 100 expected hits may be off by six of its standard errors: with 32 replicates a normal mean
-// exceeds this in 1 of 800,000 cases. Fewer hits are not normal; they exceed the bound below with a probability under
-// exp(-18), by Bernstein's inequality.
+// entry of at least 100 expected hits, where as many rays of its row go elsewhere, may be off by six of its standard
+// errors: with 32 replicates a normal mean exceeds this in 1 of 800,000 cases. Fewer hits are not normal; they exceed
+// the bound below with a probability under exp(-18), by Bernstein's inequality.
 //   In: rays: of each polygon, in all replicates
 void expectNear(const FormFactors& found, const FormFactors& wanted, double rays) {
   const Ids& ids = found.ids();
   const auto expectEntry = [&](uint32_t i, uint32_t j, const Measured& value, const Measured& exchange) {
     const double hit = ids.smallerArea(i, j) / rays,  // the most that a ray adds
         rounding = 1e-7 * ids.smallerArea(i, j),
-                 error = exchange.value >= 100 * hit ? 6 * value.standard_error
-                                                     : 6 * std::sqrt(exchange.value * hit) + 12 * hit;
+                 rarer =
+                     j < kEnvironment ? exchange.value : std::clamp(ids.areas[i] - exchange.value, 0.0, exchange.value),
+                 error = rarer >= 100 * hit ? 6 * value.standard_error : 6 * std::sqrt(rarer * hit) + 12 * hit;
     EXPECT_NEAR(value.value, exchange.value, error + 6 * exchange.standard_error + rounding)
         << ids.names[i] << " " << j;
   };
@@ -72,6 +75,39 @@ TEST(RayEngine, AgreesWithPairLines) {
       expectNear(byRays(scene, makeIds(scene, by, false), 256), byLines(scene, by), 256 * kReplicates);
     }
   }
+}
+
+// Every third polygon has all rays, and the others have a quarter of them.
+TEST(RayEngine, PolygonsMayHaveUnequalNumbersOfRays) {
+  constexpr uint32_t kMost = 256, kLeast = 64;
+  for (const InputScene& input :
+       {ts::roomWithTouchingBoxes(), ts::triangleSoup(60, 0.5, 3), bench::triangulatedCity(120).scene}) {
+    SCOPED_TRACE(input.file);
+    const Scene scene = buildScene(input);
+    const Ids ids = makeIds(scene, By::polygon, false);
+    std::vector<uint32_t> rays;
+    for (uint32_t id = 0; id < ids.count(); ++id) rays.push_back(id % 3 ? kLeast : kMost);
+    expectNear(byRays(scene, ids, kMost, rays), byLines(scene, By::polygon), kLeast * kReplicates);
+  }
+}
+
+TEST(RayEngine, OutsideCountsAreThatPartOfAllCounts) {
+  const Scene scene = buildScene(bench::triangulatedCity(300).scene);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
+  const auto directions = sampleDirections(Sampler::iid, 48, 3, 0);
+  std::vector<bool> rows;
+  for (uint32_t id = 0; id < ids.count(); ++id) rows.push_back(id % 3 == 0);
+  PairCounts wanted = engine->count(directions);
+  std::erase_if(wanted, [&](const PairCount& count) { return count.j < kEnvironment || !rows[count.i]; });
+  EXPECT_GT(wanted.size(), 50u);
+  EXPECT_EQ(engine->countOutside(directions, rows), wanted);
+}
+
+TEST(RayEngine, NumbersOfRaysAreEnoughAndFillTheLanes) {
+  for (const auto& [at_least, rays] :
+       {std::pair(0.0, 16), {16, 16}, {16.5, 32}, {33, 48}, {48, 48}, {48.1, 64}, {65, 96}, {97, 128}, {769, 1024}})
+    EXPECT_EQ(RayEngine::usualRays(at_least), static_cast<uint32_t>(rays)) << at_least;
 }
 
 // A box stands on a floor, and a sheet of two faces in one plane hangs above it.
@@ -127,8 +163,8 @@ TEST(RayEngine, CountsDependOnNeitherThreadsNorCalls) {
   const Scene scene = buildScene(bench::triangulatedCity(300).scene);
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto directions = sampleDirections(Sampler::iid, 40, 3, 0), others = sampleDirections(Sampler::iid, 40, 3, 1);
-  const std::unique_ptr<Engine> one = makeRayEngine(scene, ids, {.thread_count = 1}),
-                                three = makeRayEngine(scene, ids, {.thread_count = 3});
+  const std::unique_ptr<RayEngine> one = makeRayEngine(scene, ids, {.thread_count = 1}),
+                                   three = makeRayEngine(scene, ids, {.thread_count = 3});
   const PairCounts first = one->count(directions);
   EXPECT_FALSE(first.empty());
   EXPECT_NE(three->count(others), first);
