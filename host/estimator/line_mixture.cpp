@@ -30,8 +30,8 @@ constexpr double kWorth = 1.05;             // lines for all pairs may cost this
 constexpr double kWorthBesideRays = 1.5;    // the same, of a mixture with rays
 constexpr double kSoon = 0.05;              // all pairs get lines where they cost less than this
 
-// Returns the seconds of lines for a few of the pairs that find() would find. The same share of hidden pairs is taken to
-// be among the few as of the others.    In: of_all: seconds of lines for all pairs; few: their number
+// Returns the seconds of lines for a few of the pairs that find() would find. The same share of hidden pairs is taken
+// to be among the few as of the others.    In: of_all: seconds of lines for all pairs; few: their number
 double secondsOfFew(const PairNumbers& pairs, double of_all, double few) {
   return pairs.found > 0 ? few / pairs.found * of_all : 0;
 }

@@ -65,8 +65,9 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 // Returns whether the mixture with rays takes so much less time than lines for all pairs that these, which are far more
-// exact, do not pay.    In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become
-// a promise, which is worth more
+// exact, do not pay.
+//   In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become a promise, which
+//     is worth more
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
 // Returns how many pairs common directions count, each along each direction that meets it.
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
