@@ -266,9 +266,9 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   if (in.has(group + "/further/replicate_count")) {
     further.replicates = readOne<uint64_t>(in, group + "/further/replicate_count");
     further.of_rows = in.read<uint64_t>(group + "/further/of_rows", ids.count());
-    if (further.replicates > replicate_count ||
+    if (further.replicates >= replicate_count ||
         std::ranges::any_of(further.of_rows, [&](uint64_t of_row) { return of_row > further.replicates; }))
-      in.refuse(fmt::format("its '{}/further' has more replicates than there are", group));
+      in.refuse(fmt::format("its '{}/further' does not agree with its replicates", group));
   }
   return {std::move(ids), replicate_count, std::move(pairs), std::move(rows), std::move(further)};
 }

@@ -32,6 +32,44 @@ std::string messageOf(Use use) {
   return "no error";
 }
 
+// Of three replicates the last one has rays of row 1 alone, for its environment.
+TEST_F(CheckpointFile, ReadsBackReplicatesOfSomeRows) {
+  Settings settings = kSettings;
+  settings.emplace_back("--rays", "on");
+  std::vector<bool> rows(ids_.count());
+  rows[1] = true;
+  const auto addFurther = [&](RunSums& sums) {
+    sums.by_id.addOutside({{1, kEnvironment, 40}}, rows);
+    sums.by_surface.addOutside({}, {});
+    sums.replicates = {{0, sums.replicateCount()}};
+    sums.directions += 16;
+  };
+  RunSums sums = makeRunSums(scene_, ids_);
+  sums.measure_area = 1 / 3.0;
+  std::vector<uint32_t> rays(ids_.count(), 16);
+  rays[0] = 32;
+  sums.countRays(rays);
+  RunSums without_whole = sums;
+  for (const uint64_t replicate : {0, 1}) sums.add(replicate, randomCounts(ids_, replicate), 16);
+  addFurther(sums);
+  writeCheckpoint(settings, sums, file("rays.h5"));
+  const RunSums read = readCheckpoint(file("rays.h5")).sums;
+  EXPECT_EQ(read.rays, rays);
+  EXPECT_EQ(read.by_id.replicatesOf(0, 1), 2u);
+  EXPECT_EQ(read.by_id.replicatesOf(0, kEnvironment), 2u);
+  EXPECT_EQ(read.by_id.replicatesOf(1, kEnvironment), 3u);
+  const FormFactors a = sums.formFactors(), b = read.formFactors();
+  ASSERT_EQ(a.entries().size(), b.entries().size());
+  for (size_t k = 0; k < a.entries().size(); ++k) {
+    EXPECT_EQ(a.entries()[k].exchange_area.value, b.entries()[k].exchange_area.value);
+    EXPECT_EQ(a.entries()[k].exchange_area.standard_error, b.entries()[k].exchange_area.standard_error);
+  }
+  addFurther(without_whole);
+  writeCheckpoint(settings, without_whole, file("without.h5"));
+  EXPECT_NE(messageOf([&] { readCheckpoint(file("without.h5")); }).find("does not agree with its replicates"),
+            std::string::npos);
+}
+
 TEST_F(CheckpointFile, ReadsBackEveryBit) {
   Ids ids = ids_;
   restrictToQuestion({.from = {"upper box"}}, scene_, ids);
