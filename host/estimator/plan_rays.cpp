@@ -14,15 +14,16 @@ namespace {
 // The standard error of an environment falls as N^-kRayRate with N rays: in a city of 2,892 triangles with 32 to 1,024
 // rays in a replicate, as in one of 6,604 with 128 and 1,024.
 constexpr double kRayRate = 0.7;
-// The pilot's variance of a row has 7 degrees of freedom. What it would be by binomial variances and the efficiency of
-// all rows counts as much: of rows with the same environment it varies by 0.35 to 0.8 of its mean (a city of 2,892). It
-// is not taken to be smaller than that, for no standard error is (MixtureEntries).
+// The pilot gives each row a variance with 7 degrees of freedom. The expected variance counts as much: the row's
+// binomial variance, times the ratio of all rows' variances to their binomial variances. Rows of the same environment
+// differ from it by 0.35 to 0.8 of its value (a city of 2,892 triangles). No row is taken to vary less, for no standard
+// error is stated to be smaller (MixtureEntries).
 constexpr double kBinomialDegrees = 7;
 constexpr uint32_t kMostRays = 1 << 20;
 // No polygon has fewer rays than this share of the most: they count the pairs between polygons, too.
 constexpr double kLeastShare = 1.0 / 8;
 
-// A Row holds what a pilot has found about the environment or the leak of a row.
+// A Row sums up what the pilot's rays have found about one row: its environment, or its leak.
 struct Row {
   double sum = 0, squares = 0;  // of its shares in each replicate
 

@@ -136,8 +136,8 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
     if (other.sums.lines.has_value() != merged.sums.lines.has_value() ||
         (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)) || other.sums.rays != merged.sums.rays)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: pairs have other lines, or polygons other rays, than in {}, "
-                                                    "for it had another goal; give all parts of a run "
-                                                    "the same goal and --replicates",
+                                                    "for it had another goal; give all parts of a run the same goal "
+                                                    "and --replicates",
                                                     files[k].string(), files.front().string()));
     if (merged.sums.prior_sums && !merged.sums.prior_sums->directsAs(*other.sums.prior_sums))
       throw Error(ErrorCode::bad_usage,

@@ -63,7 +63,8 @@ class PairFinder::Search {
     for (const auto& [p, q] : pairs) findFacing(p, q, all);
   }
 
-  // Returns whether find() decides on two patches alone or in rows, and not with clusters that hold them.
+  // Returns whether find() gets to two patches, alone or in a row. It does not where clusters of patches that hold them
+  // are hidden from each other, or do not face each other.
   //   In: places: of patches in order_; all: all blockers
   bool reachesLeaves(uint32_t p, uint32_t q, std::span<const uint32_t> places, const BlockerList& all) {
     uint32_t a = 0, b = 0;

@@ -50,8 +50,8 @@ class ReplicateSums {
         further_(std::move(further)) {}
 
   // Says that counts are of rays (ray_engine.h).
-  //   In: areas: double[ids], of each row's largest polygon, over its share of rays: their number over that of
-  //     directions; input units squared
+  //   In: areas: double[ids], A N / n, with the area A of a row's largest polygon, its n rays in a replicate and the N
+  //     directions of a replicate; input units squared
   void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
@@ -83,7 +83,7 @@ class ReplicateSums {
   // Returns how much the environments of rows with rays vary, over all rows: the sum of their variances over the sum of
   // those that independent rays would have. Returns 0 without rays.    In: as in formFactors
   double rayEfficiency(double measure_area, double count_area) const;
-  // Returns the variance that an environment of this exchange area would have by independent rays.
+  // Returns the variance of a row's exchange area with the environment, if its rays were independent of each other.
   double binomialVariance(uint32_t row, double exchange, double measure_area, double count_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;

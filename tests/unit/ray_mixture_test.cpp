@@ -43,8 +43,8 @@ TEST(RayMixture, PaysWhereTheGoalIsRoughAndPairsAreMany) {
   EXPECT_DOUBLE_EQ(mixture.least_form_factor, 0.03 / kMostOfCounted);
   EXPECT_EQ(mixture.directions, 64u);
   // PairLines::estimatePairs finds these numbers in the cities of 1,016, 6,604 and 19,994 triangles, for pairs above
-  // 0.01, 0.01 and 0.0033. Lines for all pairs took 0.6, 17 and 183 s of CPU time.
-  // All these pairs are decided alone or in rows.
+  // 0.01, 0.01 and 0.0033. Lines for all pairs took 0.6, 17 and 183 s of CPU time. The search decides all these pairs
+  // alone or in rows.
   const PairNumbers small{9.95e4, 9.95e4, 7.77e4, 4.66e3, 4.32e4}, medium{5.37e6, 5.37e6, 2.23e6, 3.73e4, 1.73e6},
       large{5.15e7, 5.15e7, 1.09e7, 4.88e5, 9.42e6};
   // A promise may cost more.
