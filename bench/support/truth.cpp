@@ -28,6 +28,7 @@ const std::vector<std::pair<std::string, std::function<Scene()>>>& makers() {
       {"touching", [] { return buildScene(test_scenes::roomWithTouchingBoxes()); }},
       {"room2496", [] { return buildScene(roomWithBoxes(2)); }},
       {"city2900", [] { return buildScene(triangulatedCity(2900).scene); }},
+      {"city2900_two_sided", [] { return buildScene(triangulatedCity(2900).scene); }},
       {"office9280", [] { return buildScene(refined(office(), 4)); }},
       {"city10000", [] { return buildScene(triangulatedCity(10'000).scene); }},
       {"city19572", [] { return buildScene(city(19'760)); }},
@@ -65,7 +66,7 @@ Request requestFor(const std::string& scene, double tolerance, uint64_t seed) {
   request.goal = Tolerance{tolerance};
   request.promise = false;
   request.seed = seed;
-  request.two_sided = scene == "two_sided";
+  request.two_sided = scene.ends_with("two_sided");
   return request;
 }
 

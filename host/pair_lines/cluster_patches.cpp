@@ -47,7 +47,7 @@ bool covers(const Blocker& blocker, const Patch& patch) {
 }
 
 PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
-    : patches_(makePatches(scene, ids, with_backs)), unoccluded_(scene) {
+    : two_sided_(ids.two_sided), patches_(makePatches(scene, ids, with_backs)), unoccluded_(scene) {
   std::vector<uint32_t> of_polygon;
   blockers_ = makeBlockers(scene, true, &of_polygon);
   mesh_ = std::make_unique<BlockerMesh>(scene, of_polygon, blockers_.size());

@@ -34,7 +34,7 @@ class PairFinder::Search {
   // Begins a search.    In: least_form_factor: as in find(); pair_count: counts the pairs of all searches
   Search(const PairFinder& finder, double least_form_factor, std::atomic<size_t>& pair_count)
       : finder_(finder),
-        least_form_factor_(least_form_factor),
+        least_of_side_(least_form_factor * (finder.two_sided_ ? 2 : 1)),
         pair_count_(pair_count),
         curtain_(finder.blockers_, *finder.mesh_) {}
 
@@ -139,21 +139,39 @@ class PairFinder::Search {
     return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
   }
 
-  // Returns whether the unoccluded form factors of all pairs from two ends are below least_form_factor_. Let the
+  // Returns whether all polygons of two ends exchange less than least_of_side_ of the smaller one's area. Let the
   // distance between points of the two ends be at least d, and let the points of one end be at most h above the other's
-  // planes. Then a form factor is at most min(1, h_a / d) min(1, h_b / d) A / (pi d^2), where A is the larger area.
+  // planes. Then this share is at most min(1, h_a / d) min(1, h_b / d) A / (pi d^2), where A is the larger area. With h
+  // on either side of a plane this bounds the sum over all sides of two-sided polygons.
   bool areFar(const End& a, const End& b) const {
-    if (least_form_factor_ == 0 || a.has_parts || b.has_parts) return false;
+    if (least_of_side_ == 0 || a.has_parts || b.has_parts) return false;
     const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
     const double square = glm::dot(gap, gap), all = std::max(a.largest_area, b.largest_area) / std::numbers::pi;
     if (!(square > 0)) return false;
     const auto cosineOver = [&](const Patch* flat, const Box& box) {
       if (!flat) return 1.0;
       const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
-      const double height = glm::dot(flat->normal, middle) + glm::dot(glm::abs(flat->normal), reach) - flat->offset;
-      return std::min(1.0, (std::max(height, 0.0) + kTouchingShaft) / std::sqrt(square));
+      const double height = glm::dot(flat->normal, middle) - flat->offset,
+                   extent = glm::dot(glm::abs(flat->normal), reach),
+                   highest = (finder_.two_sided_ ? std::abs(height) : height) + extent;
+      return std::min(1.0, (std::max(highest, 0.0) + kTouchingShaft) / std::sqrt(square));
     };
-    return all * cosineOver(a.flat, b.box) * cosineOver(b.flat, a.box) < least_form_factor_ * square;
+    return all * cosineOver(a.flat, b.box) * cosineOver(b.flat, a.box) < least_of_side_ * square;
+  }
+
+  // Returns whether the polygons of two patches exchange less than least_of_side_ of the smaller one's area, between
+  // all sides of two-sided polygons.    In: exchange: of the two patches
+  bool areSmall(const Patch& a, const Patch& b, double exchange) {
+    const double least = least_of_side_ * std::min(a.area, b.area);
+    if (exchange >= least || a.is_part || b.is_part) return false;
+    if (!finder_.two_sided_) return true;
+    // A plane that cuts the other polygon has a part of it on either side. The order of terms is the same for all sides,
+    // so that they agree on the sum.
+    double of_all_sides = 0;
+    for (const uint32_t side_a : {a.side & ~1u, a.side | 1u})
+      for (const uint32_t side_b : {b.side & ~1u, b.side | 1u})
+        of_all_sides += finder_.unoccluded_.findClosely({side_a, side_b}, work_).area;
+    return of_all_sides < least;
   }
 
   // Copies the blockers between two clusters to `to`. Returns false where one of them hides a cluster from the other.
@@ -257,8 +275,7 @@ class PairFinder::Search {
       for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
     }
     const auto [exchange, error, is_reached] = finder_.unoccluded_.findClosely({a.side, b.side}, work_);
-    const bool is_small = exchange < least_form_factor_ * std::min(a.area, b.area) && !a.is_part && !b.is_part;
-    if (!(exchange > 0) || is_small) {
+    if (!(exchange > 0) || areSmall(a, b, exchange)) {
       found.between.resize(before);
       return;
     }
@@ -268,7 +285,7 @@ class PairFinder::Search {
   }
 
   const PairFinder& finder_;
-  double least_form_factor_;
+  double least_of_side_;  // least form factor, of a polygon with one side
   std::atomic<size_t>& pair_count_;
   UnoccludedWork work_;
   Curtain curtain_;

@@ -75,9 +75,9 @@ class PairFinder {
   bool hasUnordered() const { return has_unordered_; }
 
   // Finds all pairs of patches of different faces where one emits and the other receives.
-  //   In: stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs with a smaller
-  //   unoccluded form factor from the smaller patch are left out. Parts of one row are kept, for their form factors add
-  //   up
+  //   In: stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs of polygons with a
+  //   smaller unoccluded form factor from the smaller polygon are left out, with all their sides. Parts of one row are
+  //   kept, for their form factors add up
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
   //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor; next to nothing for distant clusters
   //   below the least form factor. Tests: tests/unit/pair_lines_test.cpp.
@@ -96,7 +96,7 @@ class PairFinder {
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
     bool emits = false, receives = false;
-    bool has_parts = false;   // whether one of its patches is a part of a row
+    bool has_parts = false;   // whether the polygon of one of its patches is a part of a row
     double largest_area = 0;  // of its patches
     bool is_flat = false;     // all patches lie in one plane and look one way
     uint32_t patch = 0;       // one of its patches
@@ -110,6 +110,7 @@ class PairFinder {
   uint32_t build(std::vector<uint32_t>& order, uint32_t first, uint32_t end);
   void findCovers();
 
+  bool two_sided_;
   std::vector<Patch> patches_;
   std::vector<Blocker> blockers_;
   std::unique_ptr<BlockerMesh> mesh_;

@@ -127,8 +127,9 @@ PairNumbers PairLines::estimatePairs(double least_form_factor) const {
   }
   const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
   const std::vector<PatchPair> found = finder_.findAmong(facing);
+  const double least_of_side = least_form_factor * (ids_.two_sided ? 2 : 1);
   const auto isLarge = [&](const PatchPair& pair) {
-    return pair.exchange >= least_form_factor * std::min(patches[pair.a].area, patches[pair.b].area);
+    return pair.exchange >= least_of_side * std::min(patches[pair.a].area, patches[pair.b].area);
   };
   const auto large = std::ranges::count_if(found, isLarge);
   const auto small_of_parts = std::ranges::count_if(found, [&](const PatchPair& pair) {

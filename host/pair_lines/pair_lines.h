@@ -42,7 +42,7 @@ struct PairNumbers {
   double found = 0;    // the part of `facing` that PairLines::find() would find: not proved to be hidden
   double large = 0;    // the part of `found` with an unoccluded form factor that is not small
   double blocked = 0;  // the part of `found` that something may block
-  // The rest of `found` that find() keeps, too: of a face of several patches, whose form factors are sums.
+  // The rest of `found` that find() keeps, too: of a face of several polygons, whose form factors are sums.
   double small_of_parts = 0;
 };
 
@@ -82,7 +82,7 @@ class PairLines {
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
   // Estimates how many pairs there are, from a sample of 4,096 pairs.
-  //   In: least_form_factor: of large pairs, unoccluded, from the smaller patch
+  //   In: least_form_factor: of large pairs, unoccluded, from the smaller polygon
   //   Error: the standard errors are at most 0.8 % of all pairs of patches    Cost: as PairFinder::findAmong.
   PairNumbers estimatePairs(double least_form_factor) const;
   PairLinesFigures figures() const;

@@ -19,7 +19,7 @@ struct Patch {
   int height = 0;      // level in its plane: blockers of this plane with a higher level lie in front (stepsInFront)
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
   bool emits = true, receives = true;
-  bool is_part = false;  // whether its row has more patches
+  bool is_part = false;  // whether its row has more polygons
   // 1: the whole side of the polygon. The halves of a patch with cut c have 2 c and 2 c + 1.
   uint32_t cut = 1;
   uint32_t corner_count = 0;

@@ -54,12 +54,12 @@ VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
   sine = sign * ifBelow(Floats(0.5f), is_odd, x, y);
 }
 
-// An Emitter is a polygon from whose front rays start.
+// An Emitter is a side of a polygon, from which rays start.
 struct Emitter {
   Point corner, to_first, along_first, to_second, along_second;  // of the triangles that the polygon consists of
   float first_share;                                             // of the first triangle in the area
-  Point axes[3];                                                 // the last one is the normal
-  std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide its front, nearest first
+  Point axes[3];                                                 // the last one is the side's normal
+  std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide the side, nearest first
 };
 
 class TreeRayEngine : public RayEngine {
@@ -89,7 +89,7 @@ class TreeRayEngine : public RayEngine {
     uint32_t count;
     std::array<std::vector<uint32_t>, 4> digits;
   };
-  Emitter emitterOf(uint32_t polygon, const PolygonTree& near) const;
+  Emitter emitterOf(uint32_t polygon, bool from_front, const PolygonTree& near) const;
   uint32_t raysOf(uint32_t id, size_t directions) const {
     return rays_.empty() ? static_cast<uint32_t>(directions) : rays_[id];
   }
@@ -97,39 +97,43 @@ class TreeRayEngine : public RayEngine {
   template <class Floats>
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Types>
-  void cast(uint32_t polygon, const Points& points, const std::array<uint32_t, 4>& scrambles, Hits& hits) const;
+  void cast(const Emitter& from, uint32_t plane, const Points& points, const std::array<uint32_t, 4>& scrambles,
+            Hits& hits) const;
   void addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
                  PairCounts& counts) const;
 
   const Scene& scene_;
   const Ids& ids_;
+  const uint32_t sides_;  // of a polygon, that emit
   const size_t threads_;
   const std::function<void()> stop_;
   const std::function<void(uint64_t)> on_batch_;
   const RayTree tree_;
   double unit_;
-  std::vector<Emitter> emitters_;      // by polygon
-  std::vector<uint32_t> rays_;         // by id; empty: as many as directions
+  std::vector<Emitter> emitters_;      // by polygon and side
+  std::vector<uint32_t> rays_;         // by id, of all sides; empty: as many as directions
   std::map<uint32_t, Points> points_;  // by their number
 };
 
 TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : scene_(scene),
       ids_(ids),
+      sides_(ids.two_sided ? 2 : 1),
       threads_(options.thread_count ? options.thread_count : threadCount()),
       stop_(options.stop),
       on_batch_(options.on_batch),
-      tree_(scene),
+      tree_(scene, ids.two_sided),
       unit_(kUnitShare * std::ranges::min(scene.polygons, {}, &Polygon::area).area) {
   const PolygonTree near(scene);
-  for (uint32_t k = 0; k < scene.polygons.size(); ++k) emitters_.push_back(emitterOf(k, near));
+  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+    for (uint32_t side = 0; side < sides_; ++side) emitters_.push_back(emitterOf(k, side == 0, near));
 }
 
-Emitter TreeRayEngine::emitterOf(uint32_t index, const PolygonTree& near) const {
+Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonTree& near) const {
   const Polygon& polygon = scene_.polygons[index];
   const dvec3* const c = &scene_.corners[polygon.first_corner];
   const dvec3& last = c[polygon.corner_count - 1];
-  const dvec3 normal = frontNormal(scene_, polygon),
+  const dvec3 front = frontNormal(scene_, polygon), normal = from_front ? front : -front,
               across = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   Emitter emitter{.corner = pointOf(c[0]),
                   .to_first = pointOf(c[1] - c[0]),
@@ -143,8 +147,8 @@ Emitter TreeRayEngine::emitterOf(uint32_t index, const PolygonTree& near) const 
     emitter.first_share = static_cast<float>(glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) / (2 * polygon.area));
   std::vector<std::pair<int, uint32_t>> covers;
   near.forEachNear(index, 0, [&](uint32_t other) {
-    const int steps =
-        (levelOf(scene_.polygons[other]) - levelOf(polygon)) * (polygon.front_along_plane_normal ? 1 : -1);
+    const int steps = (levelOf(scene_.polygons[other]) - levelOf(polygon)) *
+                      (polygon.front_along_plane_normal == from_front ? 1 : -1);
     if (scene_.polygons[other].plane == polygon.plane && steps > 0) covers.emplace_back(steps, other);
   });
   std::ranges::sort(covers);
@@ -199,18 +203,17 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
   return rays;
 }
 
-// Casts the rays of a polygon.
+// Casts the rays of one side of a polygon.
 template <class Types>
-[[gnu::always_inline]] inline void TreeRayEngine::cast(uint32_t polygon, const Points& points,
+[[gnu::always_inline]] inline void TreeRayEngine::cast(const Emitter& from, uint32_t plane, const Points& points,
                                                        const std::array<uint32_t, 4>& scrambles, Hits& hits) const {
   using Floats = typename Types::Floats;
   constexpr float kFarAway = 4;  // the scene lies in the unit ball
-  const Emitter& from = emitters_[polygon];
   for (size_t first = 0; first < points.count; first += kLineLanes) {
     Floats u[4];
     for (int d = 0; d < 4; ++d)
       u[d] = scrambled(load<typename Types::Words>(points.digits[d].data() + first), scrambles[d]);
-    Rays<Floats> rays = start(from, scene_.polygons[polygon].plane, u);
+    Rays<Floats> rays = start(from, plane, u);
     rays.distance = Floats(kFarAway), rays.facet = Floats{};
     tree_.meet(rays);
     const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, points.count - first));
@@ -223,7 +226,7 @@ template <class Types>
                                         : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
                                                                    : nullptr;
       if (!end) ++hits.environment;
-      else if (dot(end->normal, direction) * end->side > 0) ++hits.leak;
+      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) ++hits.leak;
       else if (hits.of_polygon[end->polygon]++ == 0) hits.polygons.push_back(end->polygon);
     }
   }
@@ -233,7 +236,8 @@ template <class Types>
 //   In: weight: of a direction; outside_alone: whether only environment and leak count
 void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
                               PairCounts& counts) const {
-  const double area = scene_.polygons[polygon].area;
+  const auto areaOf = [&](uint32_t of) { return sides_ * scene_.polygons[of].area; };
+  const double area = areaOf(polygon);
   const uint32_t id = ids_.of_polygon[polygon];
   const auto shareOf = [&](uint32_t of) { return raysOf(of, directions) / double(directions); };
   const double share = shareOf(id);
@@ -244,8 +248,7 @@ void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight
   };
   for (const uint32_t met : hits.polygons) {
     const uint32_t other = ids_.of_polygon[met];
-    if (!outside_alone)
-      add(other, hits.of_polygon[met], 1 / (share / area + shareOf(other) / scene_.polygons[met].area));
+    if (!outside_alone) add(other, hits.of_polygon[met], 1 / (share / area + shareOf(other) / areaOf(met)));
     hits.of_polygon[met] = 0;
   }
   add(kEnvironment, double(hits.environment), area / share);
@@ -257,8 +260,9 @@ void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight
 // Counts along the rays of all polygons; with rows, environment and leak alone, of the polygons of these rows.
 PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const std::vector<bool>* rows) {
   if (directions.empty()) return {};
+  const auto raysOfSide = [&](uint32_t id) { return raysOf(id, directions.size()) / sides_; };
   for (const uint32_t id : ids_.of_polygon)
-    if (const uint32_t rays = raysOf(id, directions.size()); !points_.contains(rays)) points_.emplace(rays, rays);
+    if (const uint32_t rays = raysOfSide(id); !points_.contains(rays)) points_.emplace(rays, rays);
   Hash series;
   double weight = 0;
   for (const Direction& direction : directions) {
@@ -276,11 +280,14 @@ PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const
         const auto polygon = static_cast<uint32_t>(k);
         const uint32_t id = ids_.of_polygon[polygon];
         if (rows && !(*rows)[id]) return;
-        const Points& points = points_.at(raysOf(id, directions.size()));
-        const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(polygon)});
-        runInLanes(
-            vectors, [&]<class Types>(Types)
-                         __attribute__((always_inline)) { cast<Types>(polygon, points, scrambles, hits[thread]); });
+        const Points& points = points_.at(raysOfSide(id));
+        for (size_t emitter = k * sides_; emitter < (k + 1) * sides_; ++emitter) {
+          const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(emitter)});
+          runInLanes(
+              vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
+                cast<Types>(emitters_[emitter], scene_.polygons[k].plane, points, scrambles, hits[thread]);
+              });
+        }
         addCounts(polygon, directions.size(), weight, rows, hits[thread], counts[thread]);
       },
       [&](size_t) {
@@ -292,10 +299,10 @@ PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const
 
 }  // namespace
 
-bool suitsRays(const Scene& scene, const Ids& ids) {
-  return !ids.two_sided && scene.polygons.size() < kMostPolygons &&
-         std::ranges::all_of(scene.polygons,
-                             [](const Polygon& polygon) { return polygon.area > kLeastSize * kLeastSize; });
+bool suitsRays(const Scene& scene) {
+  return scene.polygons.size() < kMostPolygons && std::ranges::all_of(scene.polygons, [](const Polygon& polygon) {
+           return polygon.area > kLeastSize * kLeastSize;
+         });
 }
 
 uint32_t RayEngine::usualRays(double at_least) {

@@ -2,11 +2,11 @@
 // lines meet, such as a small triangle in a city. Polygons may have different numbers of rays: more where more of what
 // leaves the scene is in doubt (plan_rays.h).
 //
-// A ray starts at a random point of its polygon, in a random direction of the cosine law, and ends on the first polygon
-// that it meets. Of n_i rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of i and of
-// j both estimate A_i F_ij = A_j F_ji, with variances near A_i / n_i and A_j / n_j times the same number. The mean of
-// least variance is reciprocal: every ray between the two adds 1 / (n_i / A_i + n_j / A_j) to the pair (docs/method.md,
-// section 13, rays).
+// A ray starts at a random point of its polygon's front, in a random direction of the cosine law, and ends on the first
+// polygon that it meets. Of n_i rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of i
+// and of j both estimate A_i F_ij = A_j F_ji, with variances near A_i / n_i and A_j / n_j times the same number. The mean
+// of least variance is reciprocal: every ray between the two adds 1 / (n_i / A_i + n_j / A_j) to the pair
+// (docs/method.md, section 13, rays). Two-sided polygons emit and receive on both sides, whose areas add up.
 #pragma once
 #include <cstdint>
 #include <memory>
@@ -18,8 +18,8 @@
 
 namespace viewpeel {
 
-// Returns whether rays may be used: polygons emit on one side, and are not too small for single precision.
-bool suitsRays(const Scene& scene, const Ids& ids);
+// Returns whether rays may be used: polygons are neither too small nor too many for single precision.
+bool suitsRays(const Scene& scene);
 
 // A RayEngine is an engine that counts along rays.
 class RayEngine : public Engine {
@@ -29,7 +29,7 @@ class RayEngine : public Engine {
   static uint32_t usualRays(double at_least);
   static constexpr uint32_t kLeastRays = 16;
 
-  // Sets how many rays each polygon has in a call of count().
+  // Sets how many rays each polygon has in a call of count(). Of a two-sided polygon one half starts on either side.
   //   In: rays: uint32_t[ids], from usualRays(); count() then must be given as many directions as the largest of them
   virtual void setRays(std::vector<uint32_t> rays) = 0;
   virtual const std::vector<uint32_t>& rays() const = 0;  // as set; empty: as many as directions
@@ -38,7 +38,7 @@ class RayEngine : public Engine {
 };
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says
-// otherwise. The directions themselves are seeds alone: the same ones give the same counts, and other ones independent
+// otherwise; N is even where polygons are two-sided. The directions themselves are seeds alone: the same ones give the same counts, and other ones independent
 // counts.
 //   In: scene, ids: that suitsRays(), of the whole matrix; both are kept by reference; options: it reads thread_count,
 //     stop and on_batch

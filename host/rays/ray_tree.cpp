@@ -56,7 +56,7 @@ struct RayTree::Item {
   double at(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
-RayTree::RayTree(const Scene& scene) {
+RayTree::RayTree(const Scene& scene, bool two_sided) : reach_of_backs_(two_sided ? kRayReach : -kRayReach) {
   std::vector<Item> items(scene.polygons.size());
   for (uint32_t k = 0; k < items.size(); ++k) {
     items[k].polygon = k;

@@ -2,8 +2,8 @@
 // area heuristic (J. Goldsmith, J. Salmon, Automatic creation of object hierarchies for ray tracing, IEEE Comput.
 // Graph. Appl. 7(5), 1987).
 //
-// Coordinates are in single precision. Rays that start within kRayReach of a polygon's front, on either side of its
-// plane, meet it; so no ray slips through the edge at which two polygons touch.
+// Coordinates are in single precision. Rays that start within kRayReach of a polygon that receives them, on either side
+// of its plane, meet it; so no ray slips through the edge at which two polygons touch.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -41,7 +41,8 @@ class RayTree {
   static Facet facetOf(const Scene& scene, uint32_t polygon);
 
   // Cost: O(n log^2 n).
-  explicit RayTree(const Scene& scene);
+  //   In: two_sided: whether backs receive, too
+  RayTree(const Scene& scene, bool two_sided);
 
   const Facet& facet(float number) const { return facets_[static_cast<uint32_t>(number) - 1]; }
 
@@ -63,6 +64,7 @@ class RayTree {
   void meetFacet(Rays<Floats>& rays, uint32_t index) const;
 
   static constexpr int kMostDepth = 256;
+  float reach_of_backs_;  // how far a ray may start beyond the plane of a polygon whose back it meets
   std::vector<Node> nodes_;
   std::vector<Facet> facets_;
 };
@@ -76,8 +78,8 @@ VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) cons
   const Floats height = (dot(facet.normal, rays.start) + facet.offset) * facet.side,  // of the start, above the front
       slope = dot(facet.normal, rays.direction) * facet.side, ends_on_front = ifBelow(slope, none, one, none);
   const Floats t = ifBelow(slope, none, height, -height) / greatest(sizeOf(slope), Floats(kLeastSlope));
-  // A start within rounding of the plane counts as in front of it.
-  const Floats ahead = ifBelow(none, ends_on_front, height + kRayReach, -height - kRayReach);
+  // A start within rounding of the plane counts as on the side that receives the ray.
+  const Floats ahead = ifBelow(none, ends_on_front, height + kRayReach, -height + reach_of_backs_);
   const LaneVector<Floats> at{rays.start.x + t * rays.direction.x, rays.start.y + t * rays.direction.y,
                               rays.start.z + t * rays.direction.z};
   const Floats along = slope * facet.side, rank = ifBelow(none, along, Floats(facet.level), Floats(-facet.level));

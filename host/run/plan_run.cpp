@@ -171,7 +171,7 @@ bool FormFactorRun::State::mayHaveRays() const {
   const EstimateOptions& options = setup.estimate();
   const auto most = double(pairCount(setup.faceIds().count()));
   return may_leave && options.tolerance && !options.relative && request.question.isEverything() &&
-         !request.pair_lines.value_or(false) && suitsRays(setup.scene(), setup.faceIds()) &&
+         !request.pair_lines.value_or(false) && suitsRays(setup.scene()) &&
          paysRays({.facing = most, .decided = most, .found = most, .blocked = most}, pilotRays(), mayPromise());
 }
 

@@ -317,6 +317,37 @@ TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
   }
 }
 
+// All sides of two polygons stay, or none: the sum over their sides decides.
+TEST(PairFinder, SidesOfTwoSidedPolygonsAreLeftOutTogether) {
+  const Scene scene = buildScene(ts::triangleSoup(80, 0.5, 2));
+  const Ids ids = makeIds(scene, By::polygon, true);
+  const PairFinder finder(scene, ids);
+  ASSERT_FALSE(finder.hasUnordered());
+  const HostUnoccluded unoccluded(scene);
+  UnoccludedWork work;
+  const PatchPairs all = finder.find(1);
+  for (const double least : {1e-4, 1e-3, 1e-2, 0.03}) {
+    SCOPED_TRACE(least);
+    std::vector<std::pair<uint32_t, uint32_t>> expected, found;
+    size_t large_together = 0;
+    for (const PatchPair& pair : all.pairs) {
+      const Patch &a = finder.patches()[pair.a], &b = finder.patches()[pair.b];
+      const uint32_t p = a.side / 2, q = b.side / 2;
+      double exchange = 0;
+      for (const uint32_t side_p : {frontSide(p), backSide(p)})
+        for (const uint32_t side_q : {frontSide(q), backSide(q)})
+          exchange += unoccluded.findClosely({side_p, side_q}, work).area;
+      const double smaller = 2 * std::min(scene.polygons[p].area, scene.polygons[q].area);
+      if (!(exchange < least * smaller)) expected.emplace_back(pair.a, pair.b);
+      large_together += exchange >= least * smaller && pair.exchange < least * smaller;
+    }
+    for (const PatchPair& pair : finder.find(1, {}, least).pairs) found.emplace_back(pair.a, pair.b);
+    EXPECT_EQ(found, expected);
+    EXPECT_LT(found.size(), all.pairs.size());
+    EXPECT_GT(large_together, 5u);
+  }
+}
+
 // The sum over the parts of a face decides: a pair of faces stays even if each pair of their parts is below the least
 // form factor.
 TEST(PairFinder, PartsOfAFaceAreKept) {

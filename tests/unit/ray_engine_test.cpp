@@ -59,9 +59,9 @@ void expectNear(const FormFactors& found, const FormFactors& wanted, double rays
     if (entryOf(wanted, entry.i, entry.j).value == 0) expectEntry(entry.i, entry.j, entry.exchange_area, {0, 0});
 }
 
-FormFactors byLines(const Scene& scene, By by) {
+FormFactors byLines(const Scene& scene, By by, bool two_sided = false) {
   Request request;
-  request.by = by, request.promise = false;
+  request.by = by, request.promise = false, request.two_sided = two_sided;
   request.goal = Tolerance{1e-3};
   return computeFormFactors(scene, request).form_factors;
 }
@@ -70,10 +70,11 @@ TEST(RayEngine, AgreesWithPairLines) {
   for (const InputScene& input : {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes(),
                                   ts::triangleSoup(60, 0.5, 3), bench::triangulatedCity(120).scene}) {
     const Scene scene = buildScene(input);
-    for (const By by : {By::polygon, By::surface}) {
-      SCOPED_TRACE(input.file + (by == By::surface ? ", by surface" : ""));
-      expectNear(byRays(scene, makeIds(scene, by, false), 256), byLines(scene, by), 256 * kReplicates);
-    }
+    for (const By by : {By::polygon, By::surface})
+      for (const bool two_sided : {false, true}) {
+        SCOPED_TRACE(input.file + (by == By::surface ? ", by surface" : "") + (two_sided ? ", two-sided" : ""));
+        expectNear(byRays(scene, makeIds(scene, by, two_sided), 256), byLines(scene, by, two_sided), 256 * kReplicates);
+      }
   }
 }
 
@@ -122,6 +123,8 @@ TEST(RayEngine, CoincidentFacesHaveTheirOrder) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const FormFactors found = byRays(scene, ids, 256);
   expectNear(found, byLines(scene, By::polygon), 256 * kReplicates);
+  expectNear(byRays(scene, makeIds(scene, By::polygon, true), 256), byLines(scene, By::polygon, true),
+             256 * kReplicates);
   const auto idOf = [&](const char* name) {
     return static_cast<uint32_t>(std::ranges::find(ids.names, name) - ids.names.begin());
   };
@@ -149,14 +152,11 @@ TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
     EXPECT_NEAR(found.rowSums()[i].value, 1, 6 * found.rowSums()[i].standard_error + rounding) << ids.names[i];
 }
 
-TEST(RayEngine, IsNotForTinyNorTwoSidedPolygons) {
-  const Scene scene = buildScene(ts::insideOfCube());
-  EXPECT_TRUE(suitsRays(scene, makeIds(scene, By::polygon, false)));
-  EXPECT_FALSE(suitsRays(scene, makeIds(scene, By::polygon, true)));
+TEST(RayEngine, IsNotForTinyPolygons) {
+  EXPECT_TRUE(suitsRays(buildScene(ts::insideOfCube())));
   InputScene input = ts::insideOfCube();
   ts::addFace(input, "tiny", ts::parallelogram({0.5, 0.5, 0.5}, {1e-6, 0, 0}, {0, 1e-6, 0}));
-  const Scene with_tiny = buildScene(input);
-  EXPECT_FALSE(suitsRays(with_tiny, makeIds(with_tiny, By::polygon, false)));
+  EXPECT_FALSE(suitsRays(buildScene(input)));
 }
 
 TEST(RayEngine, CountsDependOnNeitherThreadsNorCalls) {
