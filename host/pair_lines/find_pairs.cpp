@@ -165,8 +165,8 @@ class PairFinder::Search {
     const double least = least_of_side_ * std::min(a.area, b.area);
     if (exchange >= least || a.is_part || b.is_part) return false;
     if (!finder_.two_sided_) return true;
-    // A plane that cuts the other polygon has a part of it on either side. The order of terms is the same for all sides,
-    // so that they agree on the sum.
+    // A plane that cuts the other polygon has a part of it on either side. All sides add the terms in one order, and
+    // so agree on the sum.
     double of_all_sides = 0;
     for (const uint32_t side_a : {a.side & ~1u, a.side | 1u})
       for (const uint32_t side_b : {b.side & ~1u, b.side | 1u})

@@ -3,9 +3,9 @@
 // leaves the scene is in doubt (plan_rays.h).
 //
 // A ray starts at a random point of its polygon's front, in a random direction of the cosine law, and ends on the first
-// polygon that it meets. Of n_i rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of i
-// and of j both estimate A_i F_ij = A_j F_ji, with variances near A_i / n_i and A_j / n_j times the same number. The mean
-// of least variance is reciprocal: every ray between the two adds 1 / (n_i / A_i + n_j / A_j) to the pair
+// polygon that it meets. Of n_i rays of polygon i the share that ends on fronts of j has the expectation F_ij. Rays of
+// i and of j both estimate A_i F_ij = A_j F_ji, with variances near A_i / n_i and A_j / n_j times the same number. The
+// mean of least variance is reciprocal: every ray between the two adds 1 / (n_i / A_i + n_j / A_j) to the pair
 // (docs/method.md, section 13, rays). Two-sided polygons emit and receive on both sides, whose areas add up.
 #pragma once
 #include <cstdint>
@@ -38,8 +38,8 @@ class RayEngine : public Engine {
 };
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says
-// otherwise; N is even where polygons are two-sided. The directions themselves are seeds alone: the same ones give the same counts, and other ones independent
-// counts.
+// otherwise; N is even where polygons are two-sided. The directions themselves are seeds alone: the same ones give the
+// same counts, and other ones independent counts.
 //   In: scene, ids: that suitsRays(), of the whole matrix; both are kept by reference; options: it reads thread_count,
 //     stop and on_batch
 //   Method: Sobol' points in four dimensions, scrambled for each polygon and each call of count() apart
