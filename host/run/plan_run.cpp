@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <utility>
 
 #include <fmt/format.h>
@@ -10,14 +9,12 @@
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
 #include "estimator/plan_lines.h"
-#include "estimator/plan_rays.h"
 #include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
 #include "run/run_state.h"
 #include "run/settings.h"
 #include "sums/add_pairs.h"
-#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -27,7 +24,6 @@ constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is teste
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
-constexpr uint32_t kPilotDirections = 64, kTriedDirections = 16;  // of the first pilot; of each lattice of a mixture
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -90,142 +86,6 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
   for (size_t k = 0; k < all.size(); ++k)
     if (leaked[k] > 0) largest = std::max(largest, leaked[k] / all[k]);
   return largest;
-}
-
-// Returns the number of common directions in a replicate of pair lines. Where these directions count pairs, there are
-// so many that five of them, each meeting a whole pair, give it the form factor epsilon: docs/method.md, eq. (7). So
-// counts are hardly ever cut off at epsilon.
-uint32_t FormFactorRun::State::commonDirections() const {
-  if (!(setup.leastFormFactor() > 0)) return kLineRunDirections;
-  constexpr double kMeetings = 5, kMostDirections = 512;
-  const double all = 2 * kMeetings / setup.guarantee()->epsilon;
-  return static_cast<uint32_t>(
-      std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
-}
-
-// Makes the engine of common directions. Where these count pairs, small polygons have windows of their own.
-void FormFactorRun::State::makeLineEngine() {
-  Lattices lattices = setup.lattices();
-  int& resolution = lattices.lattice.resolution;
-  rays = nullptr;
-  if (line_mixture.hasRays()) {
-    auto engine = makeRayEngine(setup.scene(), setup.faceIds(), lattices.lattice);
-    engine->setRays(line_mixture.rays);
-    useRays(std::move(engine));
-    return;
-  }
-  const bool is_mixture = line_mixture.resolution > 0;
-  if (is_mixture) resolution = line_mixture.resolution;
-  plan->directions = setup.faceIds().counts_environment ? line_mixture.directions : 0;
-  plan->groups = is_mixture && setup.mayHaveWindows() ? planGroups(setup.scene(), setup.faceIds(), setup.sampling(),
-                                                                   resolution, resolution, plan->directions)
-                                                      : groupAsOne(setup.scene(), resolution);
-  plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
-}
-
-// Decides whether all pairs have lines, or only the pairs that are not small against the goal.
-//   In: counts: along pilot directions    Out: the reason if neither is possible, else empty
-std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
-  if (resumed) {
-    const double least = resumed->sums.lines->leastFormFactor(), most = least * kMostOfCounted;
-    constexpr double kRounding = 1e-9;
-    if (least > 0 && setup.mixture().least_form_factor < (1 - kRounding) * least)
-      throw Error(
-          ErrorCode::bad_usage,
-          fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
-                      "ask for that --tolerance or a larger one, or take another file",
-                      resumed_file.string(), least, most));
-    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0, resumed->sums.rays};
-    makeLineEngine();
-    return "";
-  }
-  if (!setup.plansWhichPairs()) return "";
-  const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
-  if (!may_have_rays && !may_count) return "";
-  const uint32_t replicates = setup.estimate().replicates;
-  const LineMixture mixture = setup.mixture();
-  LineWork work{pair_lines->estimatePairs(mixture.least_form_factor), double(counts.size()) / kPilotDirections};
-  if ((may_have_rays && takeRays(work.pairs)) || !may_count) return "";
-  const bool may_be_exact = !setup.isLarge() && work.pairs.blocked == 0;
-  if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
-  if (!setup.request().question.isEverything())
-    return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
-  const bool insists = setup.request().pair_lines.value_or(false);
-  if (may_leave && !insists && setup.estimate().tolerance.value_or(0) > kCoarseTolerance)
-    return fmt::format("lines leave the scene or end on backs, and the tolerance is above {}", kCoarseTolerance);
-  std::string why =
-      "lines leave the scene or end on backs, and too many pairs of polygons see each other for pair lines";
-  if (!may_leave) {
-    why = "the scene has too many pairs of polygons";
-    if (fitMixture(mixture, work) && !paysLinesForAll(work, mixture, replicates)) return "";
-  }
-  line_mixture = {};
-  makeLineEngine();
-  return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
-}
-
-// Returns whether each polygon may have rays of its own: where the scene and the request suit rays, and lines for the
-// most pairs that there can be would take longer.
-bool FormFactorRun::State::mayHaveRays() const {
-  const Request& request = setup.request();
-  const EstimateOptions& options = setup.estimate();
-  const auto most = double(pairCount(setup.faceIds().count()));
-  return may_leave && options.tolerance && !options.relative && request.question.isEverything() &&
-         !request.pair_lines.value_or(false) && suitsRays(setup.scene()) &&
-         paysRays({.facing = most, .decided = most, .found = most, .blocked = most}, pilotRays(), mayPromise());
-}
-
-// Returns whether the tolerance may become a promise, where all pairs have lines.
-bool FormFactorRun::State::mayPromise() const { return no_promise.empty() && !setup.isLarge(); }
-
-// Returns the number of rays of a pilot, of all polygons.
-double FormFactorRun::State::pilotRays() const {
-  return double(setup.scene().polygons.size()) * kPilotRays * kPilotReplicates;
-}
-
-// Decides whether rays see what leaves the scene, and count the small pairs.
-//   Out: whether they do; then line_mixture and its engine are set
-bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
-  if (!paysRays(numbers, pilotRays(), mayPromise())) return false;
-  const Ids& face_ids = setup.faceIds();
-  const EstimateOptions& options = setup.estimate();
-  auto engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
-  std::vector<uint32_t> rows = face_ids.surface;
-  if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
-  std::vector<uint32_t> of_faces =
-      planRays(*engine, setup.scene(), face_ids, rows, *options.tolerance, options.replicates, options.seed);
-  double all = 0;
-  for (const uint32_t face : face_ids.of_polygon) all += of_faces[face];
-  if (!paysRays(numbers, all * options.replicates, mayPromise())) return false;
-  if (no_promise.empty())
-    refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
-  line_mixture = rayMixtureFor(*options.tolerance, std::move(of_faces));
-  engine->setRays(line_mixture.rays);
-  useRays(std::move(engine));
-  return true;
-}
-
-// Plans to count along rays.    In: engine: with the rays of line_mixture
-void FormFactorRun::State::useRays(std::unique_ptr<RayEngine> engine) {
-  plan->directions = line_mixture.directions;
-  plan->groups = groupAsOne(setup.scene(), line_mixture.resolution);
-  rays = engine.get();
-  plan->engine = std::move(engine);
-}
-
-// Takes the finest lattice at which the sums of counted pairs fit into memory.
-//   Out: line_mixture and its engine; work: pairs of a direction on this lattice; false where none fits
-bool FormFactorRun::State::fitMixture(LineMixture mixture, LineWork& work) {
-  constexpr int kLeastResolution = 64;
-  const double enough = std::clamp(kCountedOfFace * double(setup.faceIds().count()), kCountedPairs, kMostCountedPairs);
-  for (;; mixture.resolution = std::max(mixture.resolution / 2, kLeastResolution)) {
-    line_mixture = mixture;
-    makeLineEngine();
-    work.pairs_of_direction = double(countDirections(kTriedDirections).size()) / kTriedDirections;
-    const double counted = countedPairs(work, mixture, setup.estimate().replicates);
-    if (counted <= enough) return true;
-    if (mixture.resolution <= kLeastResolution) return counted <= kMostCountedPairs;
-  }
 }
 
 // Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,

@@ -10,7 +10,7 @@ constexpr uint32_t kUsualDirections = 400;            // of a replicate, unless 
 constexpr double kSurfaceUnoccludedTolerance = 2e-4;  // largest at which surfaces use unoccluded form factors
 constexpr size_t kMostUnoccludedFaces = 20'000;       // above this, counts of blocked pairs take gigabytes
 constexpr size_t kMostPairLineFaces = 8'000;          // above this, a plan estimates whether finding all pairs pays
-constexpr double kCoarseTolerance = 0.02;             // above this, large open scenes have common directions alone
+constexpr double kCoarseTolerance = 0.02;             // above this, large open scenes without rays have no pair lines
 constexpr double kPromiseDelta = 0.01;                // probability that a promised tolerance fails
 
 // Returns the amount of the goal where it is a FixedAmount, else the request's. With 0 directions the plan chooses the

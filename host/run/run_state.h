@@ -1,6 +1,7 @@
 #pragma once
 
-// A State is a run (include/viewpeel/compute.h). plan_run.cpp makes the plan; step_run.cpp counts and makes the result.
+// A State is a run (include/viewpeel/compute.h). plan_run.cpp makes the plan, for which choose_mixture.cpp decides what
+// counts which pairs; step_run.cpp counts and makes the result.
 // It counts in exactly one of four ways: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
 
 #include <filesystem>
@@ -24,7 +25,8 @@
 
 namespace viewpeel {
 
-constexpr uint64_t kFewReplicates = 8;  // replicates of common directions that a guarantee by lines counts
+constexpr uint64_t kFewReplicates = 8;     // replicates of common directions that a guarantee by lines counts
+constexpr uint32_t kPilotDirections = 64;  // common directions from which a run with pair lines learns first
 
 struct FormFactorRun::State {
   Observer observer;
