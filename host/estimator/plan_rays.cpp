@@ -48,14 +48,14 @@ std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids&
   }
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
   std::vector<Row> environment(row_count), leak(row_count);
+  const std::vector<bool> all_faces(row_of_face.size(), true);
   for (uint32_t replicate = 0; replicate < kPilotReplicates; ++replicate) {
     std::vector<double> left(row_count), leaked(row_count);
-    for (const PairCount& count :
-         engine.count(sampleDirections(Sampler::iid, kPilotRays, seed, kRayReplicates.first + replicate)))
-      if (count.j >= kEnvironment) {
-        const uint32_t row = row_of_face[count.i];
-        (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
-      }
+    for (const PairCount& count : engine.countOutside(
+             sampleDirections(Sampler::iid, kPilotRays, seed, kRayReplicates.first + replicate), all_faces)) {
+      const uint32_t row = row_of_face[count.i];
+      (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
+    }
     for (size_t row = 0; row < row_count; ++row) {
       environment[row].sum += left[row], environment[row].squares += left[row] * left[row];
       leak[row].sum += leaked[row], leak[row].squares += leaked[row] * leaked[row];
