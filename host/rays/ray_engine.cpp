@@ -104,7 +104,7 @@ class TreeRayEngine : public RayEngine {
 
   const Scene& scene_;
   const Ids& ids_;
-  const uint32_t sides_;  // of a polygon, that emit
+  const uint32_t sides_;  // number of a polygon's sides that emit: 1 or 2
   const size_t threads_;
   const std::function<void()> stop_;
   const std::function<void(uint64_t)> on_batch_;

@@ -18,7 +18,7 @@
 
 namespace viewpeel {
 
-// Returns whether rays may be used: polygons are neither too small nor too many for single precision.
+// Returns whether a scene's polygons are neither too small nor too many for rays in single precision.
 bool suitsRays(const Scene& scene);
 
 // A RayEngine is an engine that counts along rays.

@@ -2,8 +2,8 @@
 // area heuristic (J. Goldsmith, J. Salmon, Automatic creation of object hierarchies for ray tracing, IEEE Comput.
 // Graph. Appl. 7(5), 1987).
 //
-// Coordinates are in single precision. Rays that start within kRayReach of a polygon that receives them, on either side
-// of its plane, meet it; so no ray slips through the edge at which two polygons touch.
+// Coordinates are in single precision. A ray that starts within kRayReach of a polygon's plane, on either side, meets
+// the polygon if it arrives on a side that receives. So no ray slips through the edge at which two polygons touch.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -52,7 +52,8 @@ void FormFactorRun::State::makeLineEngine() {
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
 }
 
-// Decides whether all pairs have lines, or only the pairs that are not small against the goal.
+// Decides whether all pairs have lines, or only the pairs that are not small against the goal. Then it also decides
+// what counts the small pairs.
 //   In: counts: along pilot directions    Out: the reason if neither is possible, else empty
 std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (resumed) {
@@ -143,7 +144,7 @@ void FormFactorRun::State::useRays(std::unique_ptr<RayEngine> engine) {
 }
 
 // Takes the finest lattice at which the sums of counted pairs fit into memory.
-//   Out: line_mixture and its engine; work: pairs of a direction on this lattice; false where none fits
+//   Out: false where no lattice fits; sets line_mixture, its engine, and work.pairs_of_direction for this lattice
 bool FormFactorRun::State::fitMixture(LineMixture mixture, LineWork& work) {
   constexpr int kLeastResolution = 64;
   const double enough = std::clamp(kCountedOfFace * double(setup.faceIds().count()), kCountedPairs, kMostCountedPairs);
