@@ -22,7 +22,7 @@ std::vector<double> formFactorRanges(const Scene& scene, const Ids& ids, const s
   const auto rangeOn = [&](uint32_t k, double resolution) {
     const ConvexSize size = sizeOf(scene, scene.polygons[k]);
     const double h = resolutions.empty() ? 0 : 2 / resolution;
-    return (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * (ids.two_sided ? 2 : 1);
+    return (sampling == Sampling::scanline ? scanlineRange(size, h) : latticeRange(size, h)) * ids.sides();
   };
   std::vector<double> ranges(ids.count(), 0), coarsest(ids.count(), INFINITY), finest(ids.count(), 0);
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {

@@ -71,7 +71,7 @@ class Measurement {
     findExtents(scene);
     unit_area_ = engine_->unitArea() * scene.scale * scene.scale;
     for (const double area : ids_.areas)
-      lines_.push_back(expectedPoints(options.sampling, area / (scene.scale * scene.scale) / (ids_.two_sided ? 2 : 1),
+      lines_.push_back(expectedPoints(options.sampling, area / (scene.scale * scene.scale) / ids_.sides(),
                                       2.0 / options.resolution));
   }
 

@@ -127,7 +127,7 @@ PairNumbers PairLines::estimatePairs(double least_form_factor) const {
   }
   const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
   const std::vector<PatchPair> found = finder_.findAmong(facing);
-  const double least_of_side = least_form_factor * (ids_.two_sided ? 2 : 1);
+  const double least_of_side = least_form_factor * ids_.sides();
   const auto isLarge = [&](const PatchPair& pair) {
     return pair.exchange >= least_of_side * std::min(patches[pair.a].area, patches[pair.b].area);
   };

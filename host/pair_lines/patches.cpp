@@ -104,7 +104,7 @@ std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_bac
     for (uint32_t k = 0; k < scene.polygons.size(); ++k) add(k, false, kReceives, ids.count() + ids.of_polygon[k]);
   std::vector<uint32_t> patch_counts(2 * ids.count());
   for (const Patch& patch : patches) ++patch_counts[patch.id];
-  for (Patch& patch : patches) patch.is_part = patch_counts[patch.id] > (ids.two_sided ? 2 : 1);
+  for (Patch& patch : patches) patch.is_part = patch_counts[patch.id] > ids.sides();
   return patches;
 }
 

@@ -118,7 +118,7 @@ class TreeRayEngine : public RayEngine {
 TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
     : scene_(scene),
       ids_(ids),
-      sides_(ids.two_sided ? 2 : 1),
+      sides_(ids.sides()),
       threads_(options.thread_count ? options.thread_count : threadCount()),
       stop_(options.stop),
       on_batch_(options.on_batch),

@@ -33,11 +33,10 @@ Ids makeIds(const Scene& scene, By by, bool two_sided) {
     }
   }
   ids.areas.assign(ids.names.size(), 0.0);
-  const double emitting_sides = two_sided ? 2 : 1;
   for (const Polygon& polygon : scene.polygons) {
     const uint32_t id = by == By::surface ? scene.faces[polygon.face].surface : polygon.face;
     ids.of_polygon.push_back(id);
-    ids.areas[id] += emitting_sides * polygon.area * scene.scale * scene.scale;
+    ids.areas[id] += ids.sides() * polygon.area * scene.scale * scene.scale;
   }
   return ids;
 }

@@ -43,6 +43,8 @@ struct Ids {
     return std::min(isRequested(i) ? areas[i] : INFINITY, j < kEnvironment && isRequested(j) ? areas[j] : INFINITY);
   }
   uint32_t count() const { return static_cast<uint32_t>(names.size()); }
+  // Returns the number of a polygon's sides that emit and receive.
+  uint32_t sides() const { return two_sided ? 2 : 1; }
   // Returns the number of rows of results, with the empty rows.
   uint32_t rowCount() const { return count() + static_cast<uint32_t>(empty_rows.size()); }
   // Returns the row of each id, counted from 0: uint32_t[id], ascending.
