@@ -16,6 +16,7 @@
 #include "run/rules.h"
 #include "scene/interpenetration.h"
 #include "threads.h"
+#include "vulkan/gpu_nodes.h"
 
 namespace viewpeel {
 namespace {
@@ -47,6 +48,8 @@ EstimateOptions estimateOptionsOf(const Request& request) {
 }
 
 bool hasGpu() {
+  // Asking Vulkan loads all its drivers, which takes 0.2 s and 50 MB, a software driver's compiler among them.
+  if (!hasGpuNode("/dev")) return false;
   try {
     for (const DeviceDescription& found : listDevices())
       if (found.refusal.empty() && found.kind != "cpu") return true;

@@ -208,6 +208,14 @@ TEST_F(Program, HostEngineComputesWithoutADevice) {
   EXPECT_EQ(readFile(file("planned.csv")).find("from,to,"), 0u);
 }
 
+// On a machine without a GPU the program does not load Vulkan's drivers to find one.
+TEST_F(Program, DoesNotAskVulkanWhereThereIsNoGpu) {
+  if (fs::exists("/dev/dri") || fs::exists("/dev/nvidiactl")) GTEST_SKIP() << "there may be a GPU";
+  const std::string plates = "compute " VIEWPEEL_SCENES "/plates.obj --quiet --engine ", debug = "VK_LOADER_DEBUG=all";
+  EXPECT_NE(run(plates + "compute", debug).output, "");
+  EXPECT_EQ(run(plates + "auto", debug).output, "");
+}
+
 // The host engine and the compute engine write the same bytes. They differ in speed only.
 TEST_F(Program, EnginesWriteTheSameFiles) {
   for (const char* options :
