@@ -1,12 +1,8 @@
-// keepFreedMemory() makes the process keep freed memory, and take new memory in huge pages. returnFreedMemory() gives
-// it back once.
+// This file sets how the process takes memory from the system, and gives it back.
 #pragma once
-#include <malloc.h>
-#include <sys/mman.h>
-#include <unistd.h>
-
+#include <cstddef>
 #include <cstdint>
-#include <cstdlib>
+#include <istream>
 
 namespace viewpeel {
 
@@ -14,27 +10,26 @@ namespace viewpeel {
 //
 // Lists as large as the matrix come and go with every replicate, and the kernel clears each page that a process gets.
 // With 9,984 polygons a quarter of the time went into clearing. The peak of memory grows by an eighth. Half of the
-// machine's memory is reserved, marked for huge pages and freed again, before any page is touched. Where the
-// reservation fails, or under a sanitizer, pages stay small. A program calls this once, before it allocates much.
-inline void keepFreedMemory() {
-  ::mallopt(M_MMAP_MAX, 0);
-  ::mallopt(M_TRIM_THRESHOLD, -1);  // never return memory to the system
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-  const size_t bytes = size_t(::sysconf(_SC_PHYS_PAGES)) * size_t(::sysconf(_SC_PAGESIZE)) / 2;
-  char* const ahead = static_cast<char*>(std::malloc(bytes));
-  if (!ahead) return;
-  constexpr uintptr_t kHuge = uintptr_t(1) << 21;
-  char* const first = ahead + (kHuge - reinterpret_cast<uintptr_t>(ahead) % kHuge);
-  ::madvise(first, (bytes - size_t(first - ahead)) / kHuge * kHuge, MADV_HUGEPAGE);
-  std::free(ahead);
-#endif
-}
+// free memory is reserved, marked for huge pages and freed again, before any page is touched. Where the reservation
+// fails, or under a sanitizer, pages stay small. A program calls this once, before it allocates much.
+void keepFreedMemory();
+
+// Makes allocations throw std::bad_alloc once they exceed the memory that is free now. Without this call the system
+// grants any memory, and kills the process when there is none left. A program calls this once, at its start. It does
+// nothing under a sanitizer.
+//   Out: bytes of free memory of the machine, or of what control groups and limits of the process allow if that is
+//     less; 0 where the machine does not say
+uint64_t limitMemory();
+
+// Returns the bytes that the system can give to processes: free, held by caches alone, or in free swap space.
+//   In: meminfo: the text of /proc/meminfo    Out: 0 where it does not say
+uint64_t freeMemory(std::istream& meminfo);
 
 // Freeing a list of more entries than this, each of 30 to 60 bytes, is worth a call of returnFreedMemory().
 constexpr size_t kLargeList = 5'000'000;
 
 // Returns freed memory to the system. A list as large as the matrix leaves a hole, which smaller lists break up before
 // the next one of its size.    Cost: the kernel clears pages that are used again, some 0.3 s a GB.
-inline void returnFreedMemory() { ::malloc_trim(0); }
+void returnFreedMemory();
 
 }  // namespace viewpeel

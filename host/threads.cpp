@@ -9,10 +9,11 @@
 #include <fstream>
 #include <mutex>
 #include <sstream>
+#include <system_error>
 #include <thread>
 #include <vector>
 
-#include "processor_quota.h"
+#include "control_groups.h"
 
 namespace viewpeel {
 
@@ -70,8 +71,11 @@ void shareOut(size_t threads, size_t tasks, size_t chunk,
   };
   {
     std::vector<std::jthread> others;
-    for (size_t thread = 1; thread < std::min(threads, (tasks + chunk - 1) / chunk); ++thread)
-      others.emplace_back(work, thread);
+    const size_t most = std::min(threads, (tasks + chunk - 1) / chunk);
+    try {
+      for (size_t thread = 1; thread < most; ++thread) others.emplace_back(work, thread);
+    } catch (const std::system_error&) {  // no memory is left for another thread, so that fewer threads do the work
+    }
     work(0);
   }
   if (failure) std::rethrow_exception(failure);

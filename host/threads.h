@@ -17,7 +17,7 @@ void limitThreads(size_t most);
 size_t threadsFor(size_t entries);
 
 // Runs tasks 0..tasks-1 in chunks of `chunk` on whichever thread is free; the calling thread is thread 0. If a task
-// throws, no further task begins, and the first exception is rethrown.
+// throws, no further task begins, and the first exception is rethrown. Threads that cannot be started are done without.
 //   In: threads > 0; do_task(thread, task): threads call it concurrently; on_done(tasks done): the calling thread calls
 //   it after each of its chunks and at the end; it may throw, and may be empty
 void shareOut(size_t threads, size_t tasks, size_t chunk,

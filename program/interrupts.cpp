@@ -8,9 +8,12 @@
 #include <csignal>
 #include <cstdio>
 #include <mutex>
+#include <system_error>
 #include <thread>
 
 #include <fmt/core.h>
+
+#include <viewpeel/error.h>
 
 namespace viewpeel::program {
 namespace {
@@ -60,7 +63,12 @@ void holdInterrupts(std::function<int()> end) {
   watch->first_end = std::move(end);
   watch->at_work.lock();
   ::sem_init(&word, 0, 0);
-  std::thread(watchForWord).detach();
+  try {
+    std::thread(watchForWord).detach();
+  } catch (const std::system_error& error) {
+    throw Error(ErrorCode::memory,
+                fmt::format("cannot start a thread: {}; allow more memory or processes", error.code().message()));
+  }
   struct sigaction hold {};
   hold.sa_handler = [](int signal) {
     received = signal;

@@ -63,6 +63,7 @@ int serve(CLI::App& app, std::vector<std::string>& arguments, viewpeel::program:
 }  // namespace
 
 int main(int argc, char** argv) {
+  const uint64_t memory = viewpeel::limitMemory();
   viewpeel::keepFreedMemory();
   viewpeel::program::keepCommandLine(argc, argv);
   CLI::App app(
@@ -109,7 +110,10 @@ int main(int argc, char** argv) {
     if (viewpeel::program::isView3d(argv[0])) return report(error.what(), kFailed, false);
     return report(error.what(), exitStatus(error.code()), as_json);
   } catch (const std::bad_alloc&) {
-    return report("out of memory; try --by surface, for `compute` --row-blocks 10 -o NAME.h5, or a smaller scene",
+    const std::string all = memory ? fmt::format(" ({:.3g} GB were there)", double(memory) * 1e-9) : "";
+    return report(fmt::format("out of memory{}; try --by surface, for `compute` --row-blocks 10 -o NAME.h5, or a "
+                              "smaller scene",
+                              all),
                   kFailed, as_json);
   } catch (const std::exception& error) {
     return report(error.what(), kFailed, as_json);

@@ -1,8 +1,13 @@
 // The library starts one thread for each processor that it may use, and results do not depend on their number.
 // ThreadSanitizer watches these tests in the preset tsan.
 #include <sched.h>
+#include <sys/resource.h>
+#include <unistd.h>
 
+#include <atomic>
 #include <cmath>
+#include <cstdlib>
+#include <fstream>
 #include <functional>
 #include <optional>
 #include <thread>
@@ -50,6 +55,27 @@ TEST(Threads, AreAsManyAsProcessorsAllowed) {
   const cpu_set_t set = allowed();
   EXPECT_EQ(threadCount(), static_cast<size_t>(CPU_COUNT(&set)));
   runOn(firstOf(set), [] { EXPECT_EQ(threadCount(), 1u); });
+}
+
+// Shares out tasks where there is no room for the stack of another thread. Ends the process with status 0 where all
+// tasks are done.
+[[noreturn]] void shareOutWithoutRoom() {
+  constexpr rlim_t kRoom = 1 << 20;  // a stack takes 8 MB
+  std::ifstream pages("/proc/self/statm");
+  rlim_t used = 0;
+  pages >> used;
+  const rlimit limit{used * static_cast<rlim_t>(::sysconf(_SC_PAGESIZE)) + kRoom, RLIM_INFINITY};
+  if (::setrlimit(RLIMIT_AS, &limit) != 0) std::_Exit(2);
+  std::atomic<size_t> done = 0;
+  shareOut(4, 100, 1, [&](size_t, size_t) { ++done; });
+  std::_Exit(done == 100 ? 0 : 1);
+}
+
+TEST(Threads, OneDoesTheWorkWhereNoOtherCanBeStarted) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer takes address space at all times";
+#endif
+  EXPECT_EXIT(shareOutWithoutRoom(), testing::ExitedWithCode(0), "");
 }
 
 // Returns all processors of the machine, also where fewer are allowed to the test.

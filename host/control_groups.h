@@ -1,5 +1,5 @@
-// processorQuota() reads how much processor time a control group (container, Slurm job) allows the process. This may be
-// less than the number of processors that it may run on.
+// processorQuota() and memoryQuota() read how much processor time and memory a control group (container, Slurm job)
+// allows the process. This may be less than what the machine has.
 #pragma once
 #include <filesystem>
 #include <string>
@@ -11,5 +11,9 @@ namespace viewpeel {
 //   Out: the least limit of the process's group and all groups above it, of version 2 (cpu.max) or 1 (cpu.cfs_quota_us)
 //   Source: Linux, Documentation/admin-guide/cgroup-v2.rst and cgroup-v1; files that are not there set no limit.
 double processorQuota(const std::filesystem::path& groups, const std::string& membership);
+
+// Returns the bytes of memory that the control groups allow all their processes together, as processorQuota() does.
+//   Out: the least limit, of version 2 (memory.max) or 1 (memory.limit_in_bytes)
+double memoryQuota(const std::filesystem::path& groups, const std::string& membership);
 
 }  // namespace viewpeel

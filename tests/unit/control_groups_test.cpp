@@ -1,5 +1,5 @@
-// A control group (cgroup) limits processor time, not the number of processors. These tests cover versions 1 and 2, and
-// limits of the group itself and of its parents.
+// A control group (cgroup) limits processor time, not the number of processors, and memory. These tests cover versions 1
+// and 2, and limits of the group itself and of its parents.
 #include <cmath>
 #include <filesystem>
 #include <fstream>
@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
-#include "host/processor_quota.h"
+#include "host/control_groups.h"
 #include "host/threads.h"
 
 namespace viewpeel {
@@ -15,17 +15,17 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class ProcessorQuota : public testing::Test {
+class ControlGroups : public testing::Test {
  protected:
   void TearDown() override { fs::remove_all(groups_); }
   void write(const std::string& file, const std::string& text) {
     fs::create_directories((groups_ / file).parent_path());
     std::ofstream(groups_ / file) << text;
   }
-  fs::path groups_ = fs::temp_directory_path() / ("viewpeel_quota_test_" + std::to_string(::getpid()));
+  fs::path groups_ = fs::temp_directory_path() / ("viewpeel_groups_test_" + std::to_string(::getpid()));
 };
 
-TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndItsParents) {
+TEST_F(ControlGroups, ProcessorQuotaIsTheLeastOfAGroupAndItsParents) {
   EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);
   write("job/step/cpu.max", "max 100000\n");
   EXPECT_EQ(processorQuota(groups_, "0::/job/step\n"), INFINITY);
@@ -37,7 +37,7 @@ TEST_F(ProcessorQuota, IsTheLeastOfAGroupAndItsParents) {
   EXPECT_EQ(processorQuota(groups_, "0::/\n"), 0.5);  // a container sees its own group as the root
 }
 
-TEST_F(ProcessorQuota, OfVersion1IsThatOfTheProcessorsController) {
+TEST_F(ControlGroups, ProcessorQuotaOfVersion1IsThatOfTheProcessorsController) {
   write("cpu,cpuacct/job/cpu.cfs_quota_us", "300000\n");
   write("cpu,cpuacct/job/cpu.cfs_period_us", "100000\n");
   write("cpu,cpuacct/free/cpu.cfs_quota_us", "-1\n");
@@ -48,11 +48,25 @@ TEST_F(ProcessorQuota, OfVersion1IsThatOfTheProcessorsController) {
   EXPECT_EQ(processorQuota(groups_, "4:cpu,cpuacct:/free\n"), INFINITY);
 }
 
-TEST_F(ProcessorQuota, NonsenseIsNoLimit) {
+TEST_F(ControlGroups, NonsenseIsNoLimit) {
   write("job/cpu.max", "many\n");
   write("half/cpu.max", "100000\n");
-  for (const char* text : {"", "nonsense", "0:", "0::/job\n", "0::/half\n", "0::/../..\n"})
+  write("job/memory.max", "much\n");
+  write("half/memory.max", "\n");
+  for (const char* text : {"", "nonsense", "0:", "0::/job\n", "0::/half\n", "0::/../..\n"}) {
     EXPECT_EQ(processorQuota(groups_, text), INFINITY) << text;
+    EXPECT_EQ(memoryQuota(groups_, text), INFINITY) << text;
+  }
+}
+
+TEST_F(ControlGroups, MemoryQuotaIsTheLeastOfAGroupAndItsParents) {
+  write("job/step/memory.max", "max\n");
+  EXPECT_EQ(memoryQuota(groups_, "0::/job/step\n"), INFINITY);
+  write("job/memory.max", "4294967296\n");
+  EXPECT_EQ(memoryQuota(groups_, "0::/job/step\n"), 4294967296);
+  write("memory/job/memory.limit_in_bytes", "1048576\n");
+  write("cpu/job/memory.limit_in_bytes", "1\n");
+  EXPECT_EQ(memoryQuota(groups_, "9:cpu:/job\n4:memory:/job\n"), 1048576);
 }
 
 TEST(Threads, LimitHoldsUntilItIsLifted) {
