@@ -10,6 +10,13 @@
 
 namespace viewpeel {
 
+double EstimateOptions::allowedError(double form_factor) const {
+  const double allowed = tolerance.value_or(INFINITY);
+  return relative && form_factor >= relative_floor ? std::min(allowed, *relative * form_factor) : allowed;
+}
+
+double EstimateOptions::leastAllowedError() const { return allowedError(relative_floor); }
+
 FormFactors keepSeen(FormFactors all) {
   Ids ids = all.ids();
   std::vector<Measured> row_sums = all.rowSums();

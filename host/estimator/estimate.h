@@ -64,6 +64,11 @@ struct EstimateOptions {
   // Receives the sums after every replicate. When the run ends, even by an error, it receives them once more with
   // `last`. May be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
+
+  // Returns the error that the goals allow a form factor; infinite where they say nothing of it.
+  double allowedError(double form_factor) const;
+  // Returns the least error that the goals allow any form factor; infinite without a goal.
+  double leastAllowedError() const;
 };
 
 // Returns the form factors without the entries that are 0.

@@ -39,8 +39,7 @@ double secondsOfFew(const PairNumbers& pairs, double of_all, double few) {
 }  // namespace
 
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
-  double goal = options.tolerance.value_or(1);
-  if (options.relative) goal = std::min(goal, *options.relative * options.relative_floor);
+  const double goal = std::min(1.0, options.leastAllowedError());
   LineMixture mixture;
   mixture.least_form_factor = goal / kMostOfCounted;
   const double directions = std::ceil(kDirectionsOfGoal / goal / options.replicates);
@@ -51,9 +50,9 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
   return mixture;
 }
 
-LineMixture rayMixtureFor(double tolerance, std::vector<uint32_t> rays) {
+LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays) {
   const uint32_t most = std::ranges::max(rays);
-  return {.least_form_factor = tolerance / kMostOfCounted,
+  return {.least_form_factor = options.leastAllowedError() / kMostOfCounted,
           .directions = most,
           .resolution = LatticeOptions{}.resolution,
           .rays = std::move(rays)};

@@ -35,8 +35,8 @@ struct LineMixture {
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
 
 // Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
-//   In: rays: as from planRays()
-LineMixture rayMixtureFor(double tolerance, std::vector<uint32_t> rays);
+//   In: options: goals; rays: as from planRays()
+LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays);
 
 // Returns the share of all lines that leave the scene or end on backs.
 double shareOutside(const PairCounts& counts);

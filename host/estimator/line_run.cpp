@@ -15,6 +15,7 @@
 #include "sums/line_form_factors.h"
 #include "sums/mixture_entries.h"
 #include "sums/pair_blocks.h"
+#include "sums/row_sums.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -116,6 +117,22 @@ std::vector<double> LineRun::findRowExcess(const FormFactors& all) const {
   return excess;
 }
 
+// Returns the error of all lines of each row over the error that the tolerance allows its sum, in a mixture with rays;
+// else nothing.
+std::vector<double> LineRun::findRowExcessOfLines() const {
+  if (!options_.rays || !options_.tolerance) return {};
+  const LineSums& lines = *sums_.lines;
+  const Ids& ids = lines.ids();
+  const LineSums::ChanceFactors factors = lines.chanceFactors();
+  std::vector<double> excess = sumByRow(lines.pairs().size(), ids.count(), [&](size_t k, RowTotals& variances) {
+    const FormFactors::Entry entry = lines.entryAt(k, factors);
+    addToRows(variances[0], entry, entry.errorInSums() * entry.errorInSums());
+  })[0];
+  for (uint32_t i = 0; i < ids.count(); ++i)
+    excess[i] = errors_in_goal_.of(kEnvironment) * std::sqrt(excess[i]) / (*options_.tolerance * ids.areas[i]);
+  return excess;
+}
+
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
   if (hasCountedPairs() && options_.by == By::polygon) return measureErrorsOfMixture();
@@ -181,7 +198,7 @@ void LineRun::measureErrorsOfMixture() {
     }
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
-  planFurther(wanting, {});
+  planFurther(wanting, findRowExcessOfLines());
 }
 
 // Returns the entries between surfaces whose lines are too few, as findWanting(), where common directions have counted
@@ -211,7 +228,7 @@ LineRun::Wanting LineRun::findWantingBetweenSurfaces(const FormFactors& all) {
 // entry needs them. All pairs of a wanting row get more lines in one proportion. If instead the pairs with the largest
 // errors got them, sums would be too small: a pair of which no line was clear seems certain, and would keep its 0,
 // while pairs that have had a clear line by chance would lose what they are above their expectation.
-//   In: row_excess: from findRowExcess(), or empty
+//   In: row_excess: from findRowExcess() or findRowExcessOfLines(), or empty
 void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row_excess) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
   const bool is_wanting = !wanting.empty() || std::ranges::any_of(row_excess, [](double row) { return row > 1; });
@@ -245,10 +262,7 @@ double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const 
   const double area = ids.smallerArea(entry.i, entry.j),
                margin = entry.j >= kEnvironment && hasFurtherRays() ? kRayMargin : 1,
                error = margin * errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
-  double excess = options_.tolerance ? error / (*options_.tolerance * area) : 0;
-  if (options_.relative && entry.exchange_area.value >= options_.relative_floor * area)
-    excess = std::max(excess, error / (*options_.relative * entry.exchange_area.value));
-  return excess;
+  return error / (options_.allowedError(entry.exchange_area.value / area) * area);
 }
 
 bool LineRun::isDone() const {

@@ -43,6 +43,7 @@ class LineRun {
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
   std::vector<double> findRowExcess(const FormFactors& all) const;
+  std::vector<double> findRowExcessOfLines() const;
   Wanting findWanting(const FormFactors& all) const;
   Wanting findWantingBetweenSurfaces(const FormFactors& all);
   void planFurther(const Wanting& wanting, const std::vector<double>& row_excess);

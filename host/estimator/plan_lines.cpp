@@ -31,12 +31,12 @@ double partOf(const LinePair& pair) { return std::pow(pair.exchange - pair.clear
 class AllowedErrors {
  public:
   AllowedErrors(const std::vector<LinePair>& pairs, const Ids& face_ids, const Ids& ids, const EstimateOptions& options,
-                bool is_open)
+                bool with_rows)
       : face_ids_(face_ids),
         ids_(ids),
         options_(options),
         errors_in_goal_(ids.count()),
-        row_parts_(is_open && options.tolerance ? ids.count() : 0) {
+        row_parts_(with_rows && options.tolerance ? ids.count() : 0) {
     for (const LinePair& pair : pairs) {
       const Key key = entryOf(pair, face_ids, options.by);
       const double part = partOf(pair);
@@ -74,7 +74,7 @@ class AllowedErrors {
     double exchange = 0, parts = 0;
   };
 
-  // Returns whether the environment of this row must reach the tolerance. It is what the row's pairs leave.
+  // Returns whether all pairs of this row must reach the tolerance together.
   bool hasGoal(uint32_t id) const { return id < row_parts_.size() && ids_.isRequested(id); }
 
   const Ids& face_ids_;
@@ -94,8 +94,8 @@ double errorsInRowGoal(size_t row_count) {
 }
 
 std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
-                                const EstimateOptions& options, bool is_open, double most_lines) {
-  const AllowedErrors errors(pairs, face_ids, ids, options, is_open);
+                                const EstimateOptions& options, bool with_rows, double most_lines) {
+  const AllowedErrors errors(pairs, face_ids, ids, options, with_rows);
   // If the plan has too many lines, all allowed errors are multiplied by `relief`. The number of lines goes as the
   // error to the power of -8/5, or of -1 for pairs whose lines all agree (kAgreeingLines). No pair gets more than
   // kMostLineBlocks, so the first sum of lines may be too small, and a second relief may be needed.

@@ -28,10 +28,10 @@ class ErrorsInGoal {
 
 // Returns the pairs, with lines.
 //   In: lines: with ids by face; pairs: from lines.find(); ids: of the result, whose rows the goals are for; options:
-//   goals, replicates, by; is_open: whether rows see an environment, which must reach the tolerance, too; most_lines:
-//   where the goal needs more lines than this, pairs get the lines of a rougher goal that needs about this number
+//   goals, replicates, by; with_rows: whether all lines of a row must reach the tolerance together; most_lines: where
+//   the goal needs more lines than this, pairs get the lines of a rougher goal that needs about this number
 //   Cost: as PairLines::plan.
 std::vector<LinePair> planLines(PairLines& lines, std::vector<LinePair> pairs, const Ids& face_ids, const Ids& ids,
-                                const EstimateOptions& options, bool is_open, double most_lines);
+                                const EstimateOptions& options, bool with_rows, double most_lines);
 
 }  // namespace viewpeel

@@ -38,8 +38,7 @@ struct Row {
 }  // namespace
 
 std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                               const std::vector<uint32_t>& row_of_face, double tolerance, uint32_t replicates,
-                               uint64_t seed) {
+                               const std::vector<uint32_t>& row_of_face, const EstimateOptions& options) {
   const size_t row_count = *std::ranges::max_element(row_of_face) + size_t{1};
   std::vector<double> areas(row_count), squares(row_count);
   for (size_t face = 0; face < row_of_face.size(); ++face) {
@@ -52,7 +51,7 @@ std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids&
   for (uint32_t replicate = 0; replicate < kPilotReplicates; ++replicate) {
     std::vector<double> left(row_count), leaked(row_count);
     for (const PairCount& count : engine.countOutside(
-             sampleDirections(Sampler::iid, kPilotRays, seed, kRayReplicates.first + replicate), all_faces)) {
+             sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate), all_faces)) {
       const uint32_t row = row_of_face[count.i];
       (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
     }
@@ -68,11 +67,12 @@ std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids&
     for (size_t row = 0; row < row_count; ++row)
       variance += (*rows)[row].variance(), binomial += (*rows)[row].binomial(raysOf(row));
   const double efficiency = variance / binomial, degrees = kPilotReplicates - 1,
-               allowed = tolerance / (kRayMargin * errorsInRowGoal(row_count)) * std::sqrt(double(replicates));
+               errors_in_goal = kRayMargin * errorsInRowGoal(row_count) / std::sqrt(double(options.replicates));
   const auto needOf = [&](const Row& of, size_t row) {
     const double expected = efficiency * of.binomial(raysOf(row)),
                  likely = (degrees * of.variance() + kBinomialDegrees * expected) / (degrees + kBinomialDegrees);
-    return kPilotRays * std::pow(std::sqrt(std::max(likely, expected)) / allowed, 1 / kRayRate);
+    const double error = errors_in_goal * std::sqrt(std::max(likely, expected));
+    return kPilotRays * std::pow(error / options.allowedError(of.sum / kPilotReplicates), 1 / kRayRate);
   };
   std::vector<double> needs(row_count);
   for (size_t row = 0; row < row_count; ++row)

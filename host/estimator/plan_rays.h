@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <viewpeel/scene.h>
+#include "estimator/estimate.h"
 #include "rays/ray_engine.h"
 
 namespace viewpeel {
@@ -20,13 +21,12 @@ constexpr uint32_t kPilotRays = 32, kPilotReplicates = 8;
 constexpr double kRayMargin = 1.15;
 
 // Returns how many rays each face has in a replicate, so that most rows have their environment and leak within the
-// tolerance.
+// goals.
 //   In: engine: counts by face, all faces with equal numbers of rays; row_of_face: uint32_t[faces], the row of the
-//     result; tolerance: of the largest error of all rows
+//     result; options: goals, replicates, seed
 //   Out: uint32_t[faces], as RayEngine::setRays() takes them; a function of scene and seed
 //   Error: the pilot is rough, so that some rows need more replicates.
 std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                               const std::vector<uint32_t>& row_of_face, double tolerance, uint32_t replicates,
-                               uint64_t seed);
+                               const std::vector<uint32_t>& row_of_face, const EstimateOptions& options);
 
 }  // namespace viewpeel

@@ -100,7 +100,7 @@ bool FormFactorRun::State::mayHaveRays() const {
   const Request& request = setup.request();
   const EstimateOptions& options = setup.estimate();
   const auto most = double(pairCount(setup.faceIds().count()));
-  return may_leave && options.tolerance && !options.relative && request.question.isEverything() &&
+  return may_leave && (options.tolerance || options.relative) && request.question.isEverything() &&
          !request.pair_lines.value_or(false) && suitsRays(setup.scene()) &&
          paysRays({.facing = most, .decided = most, .found = most, .blocked = most}, pilotRays(), mayPromise());
 }
@@ -122,14 +122,13 @@ bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
   auto engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
   std::vector<uint32_t> rows = face_ids.surface;
   if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
-  std::vector<uint32_t> of_faces =
-      planRays(*engine, setup.scene(), face_ids, rows, *options.tolerance, options.replicates, options.seed);
+  std::vector<uint32_t> of_faces = planRays(*engine, setup.scene(), face_ids, rows, options);
   double all = 0;
   for (const uint32_t face : face_ids.of_polygon) all += of_faces[face];
   if (!paysRays(numbers, all * options.replicates, mayPromise())) return false;
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
-  line_mixture = rayMixtureFor(*options.tolerance, std::move(of_faces));
+  line_mixture = rayMixtureFor(options, std::move(of_faces));
   engine->setRays(line_mixture.rays);
   useRays(std::move(engine));
   return true;

@@ -171,10 +171,11 @@ void FormFactorRun::State::planEstimateLines() {
     // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                  most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
-    // Where all pairs have lines, a row's environment is what they leave of it.
-    const bool is_open = may_leave && !(line_mixture.least_form_factor > 0);
+    // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
+    // 1 by as much as all lines of a row err together.
+    const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));
     line_pairs =
-        planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, is_open, most_lines);
+        planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, with_rows, most_lines);
   }
   const PairLinesFigures figures = pair_lines->figures();
   plan->pair_lines = {figures.clear,         figures.partial,      0,

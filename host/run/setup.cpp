@@ -159,8 +159,8 @@ bool Setup::plansWhichPairs() const {
   if (guarantee() || request_.promise.value_or(false) || !(estimate_.tolerance || estimate_.relative)) return false;
   const bool is_everything = request_.question.isEverything(), by_polygon = request_.by == By::polygon;
   if (!isLarge())
-    return is_everything && by_polygon && !estimate_.relative && !request_.lines_for_all &&
-           !request_.pair_lines.value_or(false) && mayPayMixture(face_ids_.count());
+    return is_everything && by_polygon && !request_.lines_for_all && !request_.pair_lines.value_or(false) &&
+           mayPayMixture(face_ids_.count());
   return !is_everything || mayFit(mixture(), estimate_.replicates, face_ids_.count());
 }
 

@@ -17,9 +17,9 @@ class Planned {
     options_.tolerance = tolerance;
     options_.by = By::polygon;
   }
-  double lines(bool is_open, double most_lines) {
+  double lines(bool with_rows, double most_lines) {
     double all = 0;
-    for (const LinePair& pair : planLines(lines_, lines_.find(0), ids_, ids_, options_, is_open, most_lines))
+    for (const LinePair& pair : planLines(lines_, lines_.find(0), ids_, ids_, options_, with_rows, most_lines))
       all += pair.linesIn(options_.replicates);
     return all;
   }
