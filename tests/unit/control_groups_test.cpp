@@ -1,5 +1,5 @@
-// A control group (cgroup) limits processor time, not the number of processors, and memory. These tests cover versions 1
-// and 2, and limits of the group itself and of its parents.
+// A control group (cgroup) limits processor time, not the number of processors, and memory. These tests cover versions
+// 1 and 2, and limits of the group itself and of its parents.
 #include <cmath>
 #include <filesystem>
 #include <fstream>

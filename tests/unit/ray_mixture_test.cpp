@@ -103,8 +103,8 @@ TEST(RayMixture, ErrorsKeepToTheToleranceAndAreWellStated) {
   }
 }
 
-// The goal is for form factors of at least the floor: also for environments, which rays measure. What is measured may be
-// above the floor where the truth is below, and the other way round.
+// The goal is for form factors of at least the floor, environments among them. What is measured may be above the floor
+// where the truth is below, and the other way round.
 TEST(RayMixture, RelativeErrorsKeepToTheGoal) {
   const Scene scene = city();
   Request request = requestFor(1), fine = requestFor(kGoal / 100);
