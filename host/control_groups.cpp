@@ -11,6 +11,14 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kGroups = "/sys/fs/cgroup";
+
+std::string membershipOfProcess() {
+  std::stringstream membership;
+  membership << std::ifstream("/proc/self/cgroup").rdbuf();
+  return membership.str();
+}
+
 // Returns the number of processors that a limit allows. The text is "max 100000" or "150000 100000": microseconds of
 // processor time, and of the period.
 double quotaOf(std::istream&& text) {
@@ -64,5 +72,9 @@ double processorQuota(const fs::path& groups, const std::string& membership) {
 double memoryQuota(const fs::path& groups, const std::string& membership) {
   return leastLimit(groups, membership, "memory", bytesOf);
 }
+
+double processorQuota() { return processorQuota(kGroups, membershipOfProcess()); }
+
+double memoryQuota() { return memoryQuota(kGroups, membershipOfProcess()); }
 
 }  // namespace viewpeel

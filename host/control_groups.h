@@ -16,4 +16,8 @@ double processorQuota(const std::filesystem::path& groups, const std::string& me
 //   Out: the least limit, of version 2 (memory.max) or 1 (memory.limit_in_bytes)
 double memoryQuota(const std::filesystem::path& groups, const std::string& membership);
 
+// Return the same of this process, with the control groups that the machine has.
+double processorQuota();
+double memoryQuota();
+
 }  // namespace viewpeel

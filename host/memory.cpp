@@ -8,7 +8,6 @@
 #include <algorithm>
 #include <cstdlib>
 #include <fstream>
-#include <sstream>
 #include <string>
 
 #include "control_groups.h"
@@ -23,13 +22,10 @@ constexpr bool kIsSanitized = false;
 #endif
 
 // Returns the bytes that the process may still take: free memory of the machine, or what its control groups allow if
-// that is less. Returns 0 where the machine does not say.
+// that is less. Returns 0 where /proc/meminfo does not say.
 uint64_t availableMemory() {
   std::ifstream meminfo("/proc/meminfo");
-  std::stringstream membership;
-  membership << std::ifstream("/proc/self/cgroup").rdbuf();
-  const auto free = static_cast<double>(freeMemory(meminfo));
-  return static_cast<uint64_t>(std::min(free, memoryQuota("/sys/fs/cgroup", membership.str())));
+  return static_cast<uint64_t>(std::min(double(freeMemory(meminfo)), memoryQuota()));
 }
 
 }  // namespace

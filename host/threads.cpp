@@ -6,9 +6,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <fstream>
 #include <mutex>
-#include <sstream>
 #include <system_error>
 #include <thread>
 #include <vector>
@@ -22,11 +20,7 @@ namespace {
 std::atomic<size_t> most_threads = 0;
 
 size_t processorsAllowed() {
-  static const double quota = [] {
-    std::stringstream membership;
-    membership << std::ifstream("/proc/self/cgroup").rdbuf();
-    return processorQuota("/sys/fs/cgroup", membership.str());
-  }();
+  static const double quota = processorQuota();
   cpu_set_t allowed;
   const int processors = ::sched_getaffinity(0, sizeof allowed, &allowed) == 0
                              ? CPU_COUNT(&allowed)

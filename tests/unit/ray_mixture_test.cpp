@@ -212,7 +212,7 @@ TEST(RayMixture, IsForOpenScenesOfManyPairs) {
 }
 
 // For a rough goal rays are quicker, and lines for all pairs would be much finer than it. A request for pair lines gets
-// lines for all pairs. A question has common directions alone.
+// lines for all pairs. A relative goal beside the tolerance has rays, too.
 TEST(RayMixture, IsForRoughGoalsOfLargeOpenScenes) {
   constexpr double kRoughGoal = 0.05;
   const Scene scene = buildScene(bench::city(8'600));
