@@ -9,6 +9,7 @@
 #include "program/options.h"
 #include "program/warnings.h"
 #include <viewpeel/error.h>
+#include "io/checkpoint.h"
 #include "io/write_file.h"
 #include "sums/run_sums.h"
 
@@ -75,8 +76,7 @@ void CheckpointKeeper::keep(const FormFactorRun& run, bool last) {
     if (std::filesystem::exists(options_.file) && !lock_.isOn(options_.file))
       throw Error(ErrorCode::output,
                   fmt::format("{}: another run has put its own there; this one is not kept", options_.file));
-    run.writeCheckpoint(options_.file);
-    lock_.take(options_.file);
+    writeCheckpoint(run.settings(), run.sums(), options_.file, &lock_);
     is_kept_ = true;
   } catch (const std::exception& error) {
     if (is_kept_ || last) warn(fmt::format("checkpoint: {}", error.what()));

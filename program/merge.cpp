@@ -65,7 +65,7 @@ int runMerge(MergeCommand command) {
     const By by = findSetting(merged.settings, "--by") == "surface" ? By::surface : By::polygon;
     checkShown(*scene, makeIds(*scene, by, findSetting(merged.settings, "--two-sided") == "yes"), command.output.shown);
   }
-  if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint);
+  if (!command.checkpoint.empty()) writeCheckpoint(merged.settings, merged.sums, command.checkpoint, &lock);
   const Estimate estimate = run.estimate();
   const std::vector<std::pair<uint32_t, uint32_t>> guesses = findGuesses(merged.sums, estimate.form_factors);
   std::optional<DroppedBelow> below;

@@ -34,7 +34,7 @@ std::optional<std::string> findSetting(const Settings& settings, const std::stri
   return at->second;
 }
 
-void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file) {
+void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file, FileLock* lock) {
   Hdf5Output out;
   out.write("format", std::vector<uint64_t>{kFormat});
   writeColumn<std::string>(out, "settings/names", settings, [](const auto& setting) { return setting.first; });
@@ -49,7 +49,8 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writePriorSums(out, sums);
   writeLineSums(out, sums);
   if (!sums.rays.empty()) out.write("rays", sums.rays);
-  writeFile(file, [&](std::ostream& stream) { out.finish(stream); });
+  writeFile(
+      file, [&](std::ostream& stream) { out.finish(stream); }, lock);
 }
 
 Checkpoint readCheckpoint(const std::filesystem::path& file) {

@@ -12,6 +12,8 @@
 
 namespace viewpeel {
 
+class FileLock;
+
 // Returns the value of a setting, or nothing where there is no setting of this name.
 std::optional<std::string> findSetting(const Settings& settings, const std::string& name);
 
@@ -23,12 +25,13 @@ struct Checkpoint {
 
 // Writes HDF5: settings, ranges of replicates, and by id and by surface names, areas and all sums. Unoccluded form
 // factors, visibilities and controls follow where a run has them. The same sums make the same bytes.
-//   In: sums.isWhole()
+//   In: sums.isWhole(); lock: as writeFile
 //   Error: none: integers and the bits of doubles.
 //   Throws: Error output, Error limit where memory is short; `file` is then as it was before.
 //   Cost: 40 bytes of disk for each nonzero pair, 44 and the longest name for each id; with unoccluded form factors 24
 //     for each pair of the prior and 64 for each control; twice that number of bytes in memory.
-void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file);
+void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::filesystem::path& file,
+                     FileLock* lock = nullptr);
 
 // Reads a checkpoint.
 //   Throws: Error bad_input where the file is no checkpoint, of another format, cut off or damaged (a check sum covers

@@ -1,6 +1,7 @@
 // A FileLock decides which of several processes may replace a file that all of them see.
 #pragma once
 #include <filesystem>
+#include <utility>
 
 namespace viewpeel {
 
@@ -12,6 +13,7 @@ class FileLock {
   ~FileLock() { release(); }
   FileLock(const FileLock&) = delete;
   FileLock& operator=(const FileLock&) = delete;
+  void swap(FileLock& other) { std::swap(opened_, other.opened_); }
 
   // Locks the file; returns false where another process has locked it, or it cannot be opened. Releases the file that
   // this object locked before.

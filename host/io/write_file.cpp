@@ -12,6 +12,7 @@
 #include <unistd.h>
 
 #include <viewpeel/error.h>
+#include "io/file_lock.h"
 
 namespace viewpeel {
 namespace {
@@ -100,20 +101,23 @@ class TemporaryFile {
 };
 
 // Gives a filled file its name, once the disk has its bytes.
-void settle(TemporaryFile& temporary, const fs::path& file, const fs::path& named) {
+void settle(TemporaryFile& temporary, const fs::path& file, const fs::path& named, FileLock* lock = nullptr) {
   if (const int number = waitForDisk(temporary.name())) refuse(named, std::strerror(number));
+  FileLock next;
+  if (lock) next.take(temporary.name());
   if (const int number = temporary.rename(file)) refuse(named, std::strerror(number));
+  if (lock) lock->swap(next);
   if (const int number = waitForDisk(file.has_parent_path() ? file.parent_path() : "."))
     refuse(named, std::strerror(number));
 }
 
 }  // namespace
 
-void writeFile(const fs::path& named, const std::function<void(std::ostream&)>& write) {
+void writeFile(const fs::path& named, const std::function<void(std::ostream&)>& write, FileLock* lock) {
   const fs::path file = followLink(named);
   TemporaryFile temporary(file, ErrorCode::output);
   if (const int number = temporary.fill(write)) refuse(named, std::strerror(number));
-  settle(temporary, file, named);
+  settle(temporary, file, named, lock);
 }
 
 void writeFileByName(const fs::path& named, const std::function<void(const std::string& name)>& write) {

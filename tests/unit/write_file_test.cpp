@@ -1,5 +1,6 @@
 // Files are written under a temporary name in the same folder and then renamed. Other users may be able to write to
 // this folder.
+#include <atomic>
 #include <filesystem>
 #include <fstream>
 #include <set>
@@ -10,6 +11,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include "host/io/file_lock.h"
 #include "host/io/write_file.h"
 #include "tests/support/test_folder.h"
 #include <viewpeel/error.h>
@@ -97,6 +99,30 @@ TEST_F(WriteFile, TemporaryNamesDifferAndAreNotFollowed) {
   checkWritable(file);
   EXPECT_EQ(textOf(victim), "precious");
   EXPECT_EQ(names.size(), 8u);  // all differ, of 2^64 possible names
+}
+
+// A run once locked its new checkpoint after the file had its name. Between the two another run could take it.
+TEST_F(WriteFile, NobodyElseCanLockAFileThatIsReplaced) {
+  constexpr int kTimes = 200;  // that the file is written, and that the other thread tries to lock it, at least
+  const fs::path file = folder_ / "a.h5";
+  writeNew(file);
+  FileLock mine;
+  ASSERT_TRUE(mine.take(file));
+  std::atomic<bool> is_over = false;
+  std::atomic<int> tries = 0, taken = 0;
+  std::thread other([&] {
+    for (; !is_over; ++tries) taken += FileLock().take(file);
+  });
+  for (int k = 0; k < kTimes || tries < kTimes; ++k) {
+    writeFile(
+        file, [](std::ostream& out) { out << "newer"; }, &mine);
+    EXPECT_TRUE(mine.isOn(file));
+  }
+  is_over = true;
+  other.join();
+  EXPECT_EQ(taken, 0);
+  mine.release();
+  EXPECT_TRUE(FileLock().take(file));
 }
 
 TEST_F(WriteFile, NothingIsLeftBehind) {
