@@ -150,7 +150,8 @@ std::string describePlan(const FormFactorRun& run) {
           ? ""
           : fmt::format("goal       an estimate{}, no promise: {}\n",
                         tolerance
-                            ? fmt::format(", {} {}", plan.pair_lines ? "largest error about" : "standard errors up to",
+                            ? fmt::format(", {} {}",
+                                          plan.aims_at_largest_error ? "largest error about" : "standard errors up to",
                                           tolerance->standard_error)
                             : "",
                         plan.no_promise);

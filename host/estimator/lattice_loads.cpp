@@ -166,6 +166,7 @@ bool Planner::areCountsTooLarge(const Load& load, double directions, double repl
 // Returns the predicted seconds of a direction. The model is one cost per group and one cost per lattice point. Where
 // the timed lattices do not separate the two costs, each gets half of the time.
 double Planner::secondsOf(const Load& load) const {
+  if (lattices_.costs) return load.groups * lattices_.costs->of_group + load.points * lattices_.costs->of_point;
   const Timing& last = timings_.back();
   double per_group = 0.5 * last.seconds / last.load.groups, per_point = 0.5 * last.seconds / last.load.points;
   for (const Timing& timing : timings_) {

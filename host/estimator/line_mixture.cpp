@@ -25,15 +25,30 @@ constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
 constexpr double kSecondsOfClear = 6e-7, kSecondsOfHiddenInOpen = 3.3e-6;
 constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
-constexpr double kSecondsOfRay = 2e-7;      // of rays that run side by side, sixteen at a time
-constexpr double kWorth = 1.05;             // lines for all pairs may cost this multiple of the mixture's time
-constexpr double kWorthBesideRays = 1.5;    // the same, of a mixture with rays
-constexpr double kSoon = 0.05;              // all pairs get lines where they cost less than this
+// Between surfaces a mixture with rays costs these for each face, and for each pair that it finds, beside the rays.
+// They fit cities of 8,936 and 19,994 triangles at 0.1 to 1e-3.
+constexpr double kSecondsOfFaceBesideRays = 3e-4, kSecondsOfPairBesideRays = 1.5e-5;
+constexpr double kSecondsOfRay = 2e-7;    // of rays that run side by side, sixteen at a time
+constexpr double kWorth = 1.05;           // lines for all pairs may cost this multiple of the mixture's time
+constexpr double kWorthBesideRays = 1.5;  // the same, of a mixture with rays
+constexpr double kSoon = 0.05;            // all pairs get lines where they cost less than this
 
 // Returns the seconds of lines for a few of the pairs that find() would find. The same share of hidden pairs is taken
 // to be among the few as of the others.    In: of_all: seconds of lines for all pairs; few: their number
 double secondsOfFew(const PairNumbers& pairs, double of_all, double few) {
   return pairs.found > 0 ? few / pairs.found * of_all : 0;
+}
+
+// Returns the seconds of lines for all pairs of an open scene.
+double secondsInOpen(const PairNumbers& pairs) {
+  const double hidden = std::max(0.0, pairs.decided - pairs.found);
+  return (pairs.found - pairs.blocked) * kSecondsOfClear + pairs.blocked * kSecondsOfPair +
+         hidden * kSecondsOfHiddenInOpen;
+}
+
+// The same of a closed scene.
+double secondsInClosed(const PairNumbers& pairs) {
+  return pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden;
 }
 
 }  // namespace
@@ -82,7 +97,7 @@ bool mayFindAll(const PairNumbers& pairs) {
 
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
   if (!mayFindAll(work.pairs)) return false;
-  const double all = work.pairs.found * kSecondsOfPair + (work.pairs.facing - work.pairs.found) * kSecondsOfHidden;
+  const double all = secondsInClosed(work.pairs);
   const double of_mixture =
       secondsOfFew(work.pairs, all, work.pairs.large) + countedPairs(work, mixture, replicates) * kSecondsOfCount;
   return all <= std::max(kSoon, kWorth * of_mixture);
@@ -90,11 +105,25 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
 
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
   if (!mayFindAll(pairs)) return true;
-  const double hidden = std::max(0.0, pairs.decided - pairs.found),
-               all = (pairs.found - pairs.blocked) * kSecondsOfClear + pairs.blocked * kSecondsOfPair +
-                     hidden * kSecondsOfHiddenInOpen;
+  const double all = secondsInOpen(pairs);
   const double of_mixture = secondsOfFew(pairs, all, pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
   return all > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) * of_mixture);
+}
+
+bool mayPayDirectionsAlone(size_t face_count, double seconds) {
+  return double(pairCount(face_count)) * kSecondsOfHiddenInOpen > std::max(kSoon, kWorthBesideRays * seconds);
+}
+
+double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count, bool is_open, bool is_large,
+                                    bool may_promise) {
+  // Where common directions count the small pairs of a closed scene, sums of these between surfaces hardly reach a
+  // goal. So the closed scene would need lines for all pairs.
+  if (is_open && is_large)
+    return (double(face_count) * kSecondsOfFaceBesideRays +
+            (pairs.large + pairs.small_of_parts) * kSecondsOfPairBesideRays) /
+           kWorth;
+  const double all = is_open ? secondsInOpen(pairs) : secondsInClosed(pairs);
+  return all > kSoon ? all / (may_promise ? kPromiseWorth : kWorthBesideRays) : 0;
 }
 
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {

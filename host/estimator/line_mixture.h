@@ -69,6 +69,13 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
 //   In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become a promise, which
 //     is worth more
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
+// Returns false where common directions alone cannot take less time than lines for the most pairs that there can be.
+//   In: seconds: processor seconds of the directions
+bool mayPayDirectionsAlone(size_t face_count, double seconds);
+// Returns the processor seconds that common directions alone may take between surfaces: with more, pairs with lines are
+// worth more.    In: is_large: whether a mixture would leave out the small pairs
+double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count, bool is_open, bool is_large,
+                                    bool may_promise);
 // Returns how many pairs common directions count, each along each direction that meets it.
 double countedPairs(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 

@@ -68,6 +68,7 @@ double Planner::timeDirections(uint32_t count) {
 // The difference of two calls removes the fixed time of a call. The smaller of two trials removes most of a busy
 // machine's delays.
 bool Planner::takesLonger(const Choice& choice) {
+  if (lattices_.costs) return false;
   const auto start = Clock::now();
   const Load load = loadOf(choice.shape, choice.directions);
   for (const Timing& timing : timings_)
@@ -91,9 +92,11 @@ bool Planner::takesLonger(const Choice& choice) {
 void Planner::measure(uint32_t directions, const Shape& shape) {
   const auto begun = Clock::now();
   makeEngine(directions, shape);
-  if (pilots_.empty())
-    directions = static_cast<uint32_t>(
-        std::clamp(allowedSeconds() / (2 * kPilotReplicates * timeDirections(2) / 2), 1.0, double(directions)));
+  if (pilots_.empty()) {
+    const double each = lattices_.costs ? secondsOf(loadOf(shape, directions)) : timeDirections(2) / 2;
+    directions =
+        static_cast<uint32_t>(std::clamp(allowedSeconds() / (2 * kPilotReplicates * each), 1.0, double(directions)));
+  }
   // Each replicate counts the same directions on two lattices.
   std::vector<PilotCounts> counted;
   double weight_unit = 1, one_pair_of = 1;
@@ -117,7 +120,9 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     counted.back().second = engine_->count(drawn.directions);
     thin(counted.back().second, one_pair_of);
   }
-  const double seconds = secondsSince(start);
+  const double counted_directions = 2 * kPilotReplicates * double(directions),
+               seconds =
+                   lattices_.costs ? counted_directions * secondsOf(loadOf(shape, directions)) : secondsSince(start);
 
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
   Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
@@ -134,9 +139,9 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
         *variance *= stated / found;
   }
-  pilot_seconds_ += secondsSince(begun);
+  pilot_seconds_ += lattices_.costs ? seconds : secondsSince(begun);
   pilots_.push_back(pilot);
-  timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
+  timings_.push_back({pilot.load, seconds / counted_directions});
 }
 
 // Returns the largest standard error that the run would state after the counts of the pilot. As in the run, the error

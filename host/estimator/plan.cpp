@@ -96,13 +96,15 @@ Planner::Choice Planner::choose(bool by_time) const {
   return best;
 }
 
-Plan Planner::plan() {
+Plan Planner::plan(double most_seconds) {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
   measure(kPilotDirections, {first, first});
   Choice choice = choose();
+  Plan plan;
   // A further pilot, whose lattice is nearer to the plan's, is counted where it costs little beside the run, or where
   // the predicted variance is doubtful.
   for (int more = 0; more < 2; ++more) {
+    if (choice.seconds > most_seconds) return plan;
     const Pilot& last = pilots_.back();
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
     const double most =
@@ -119,7 +121,7 @@ Plan Planner::plan() {
     choice = choose();
   }
   for (int trial = 0; trial < kMostTrials && takesLonger(choice); ++trial) choice = choose();
-  Plan plan;
+  if (choice.seconds > most_seconds) return plan;
   plan.directions = choice.directions;
   plan.finest = choice.shape.finest;
   plan.groups = groupsOf(choice.shape, choice.directions);
@@ -149,8 +151,9 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
                     groups);
 }
 
-Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices) {
-  return Planner(scene, ids, options, lattices).plan();
+Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices,
+                  double most_seconds) {
+  return Planner(scene, ids, options, lattices).plan(most_seconds);
 }
 
 }  // namespace viewpeel

@@ -1,6 +1,7 @@
 // A plan sets the number of directions and the lattices that reach a goal in the least time.
 #pragma once
 #include <memory>
+#include <optional>
 
 #include "engines/lattice_options.h"
 #include "engines/size_groups.h"
@@ -25,6 +26,11 @@ struct Plan {
   std::vector<uint32_t> barely_covered;
 };
 
+// DirectionCosts predict the processor seconds of a direction.
+struct DirectionCosts {
+  double of_group = 0, of_point = 0;  // for each group of polygons, and for each lattice point or scanline
+};
+
 // Lattices describes the engines that a plan may choose among.
 struct Lattices {
   EngineFactory make_engine;
@@ -34,6 +40,8 @@ struct Lattices {
   // Where unoccluded form factors are used (find_prior.h), engines count by these ids, and count blocked pairs, too.
   // With nullptr engines count by the ids of the plan. The ids must outlive the plan.
   const Ids* face_ids = nullptr;
+  // Where costs are given, the plan depends on the scene and the seed alone. Else the pilots measure times.
+  std::optional<DirectionCosts> costs{};
 };
 
 // Makes the engine that counts all groups.    In: ids: the plan's
@@ -54,13 +62,16 @@ std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene,
 //   If the first pilot could not separate V_directions from V_lattice, another pilot counts on the plan's lattice. A
 //     lattice much finer than every timed lattice is timed before it is chosen. In eight replicates every id gets 100
 //     lattice points, or 100 scanlines, as far as the finest lattice allows.
-//   In: options: goal, replicates, sampler, seed, drawn_directions    Out: the plan, with its engine
+//   In: options: goal, replicates, sampler, seed, drawn_directions; most_seconds: a run that takes longer is not
+//     planned
+//   Out: the plan, with its engine; without an engine where the run would take longer than most_seconds
 //   Error: time and error are predictions; the run measures its own errors. The run uses no direction and no lattice of
 //     a pilot.
 //   Throws: whatever engines throw.
 //   Cost: a pilot takes at most half a minute, and about a tenth of the run or of the given time. The first has 512
 //     directions, or as many as these limits allow, but at least 16.
-Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
+Plan planEstimate(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices,
+                  double most_seconds = INFINITY);
 
 // Groups polygons by the lattice that each needs.
 //   In: base: the resolution of the whole scene's lattice

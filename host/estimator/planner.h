@@ -85,7 +85,7 @@ bool areAlike(const std::vector<SizeGroup>& a, const std::vector<SizeGroup>& b);
 class Planner {
  public:
   Planner(const Scene& scene, const Ids& ids, const EstimateOptions& options, const Lattices& lattices);
-  Plan plan();
+  Plan plan(double most_seconds);
 
  private:
   struct Choice {

@@ -69,12 +69,13 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     makeLineEngine();
     return "";
   }
+  if (std::string why = takeDirectionsAlone(); !why.empty()) return why;
   if (!setup.plansWhichPairs()) return "";
   const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
   if (!may_have_rays && !may_count) return "";
   const uint32_t replicates = setup.estimate().replicates;
   const LineMixture mixture = setup.mixture();
-  LineWork work{pair_lines->estimatePairs(mixture.least_form_factor), double(counts.size()) / kPilotDirections};
+  LineWork work{pairNumbers(), double(counts.size()) / kPilotDirections};
   if ((may_have_rays && takeRays(work.pairs)) || !may_count) return "";
   const bool may_be_exact = !setup.isLarge() && work.pairs.blocked == 0;
   if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
@@ -92,6 +93,12 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   line_mixture = {};
   makeLineEngine();
   return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
+}
+
+// Returns estimates of how many pairs of polygons there are, whose lines may have to be found.
+const PairNumbers& FormFactorRun::State::pairNumbers() {
+  if (!pair_numbers) pair_numbers = pair_lines->estimatePairs(setup.mixture().least_form_factor);
+  return *pair_numbers;
 }
 
 // Returns whether each polygon may have rays of its own: where the scene and the request suit rays, and lines for the

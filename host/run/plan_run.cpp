@@ -199,7 +199,8 @@ void FormFactorRun::State::planWithoutPairLines(const std::string& why) {
   pair_lines.reset();
   line_pairs.clear();
   setup.leaveOutPairLines();
-  plan = makePlanOfRequest();
+  if (plan_between_surfaces) plan = std::move(plan_between_surfaces);
+  else plan = makePlanOfRequest();
 }
 
 void FormFactorRun::State::planEstimateOfDirections() {

@@ -1,7 +1,7 @@
 #pragma once
 
-// A State is a run (include/viewpeel/compute.h). plan_run.cpp makes the plan, for which choose_mixture.cpp decides what
-// counts which pairs; step_run.cpp counts and makes the result.
+// A State is a run (include/viewpeel/compute.h). plan_run.cpp makes the plan, for which choose_mixture.cpp and
+// choose_directions.cpp decide what counts which pairs; step_run.cpp counts and makes the result.
 // It counts in exactly one of four ways: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
 
 #include <filesystem>
@@ -36,7 +36,7 @@ struct FormFactorRun::State {
   std::optional<Checkpoint> resumed;
   std::filesystem::path resumed_file;
   std::optional<Clock::time_point> start;  // when planning began
-  std::optional<Plan> plan;
+  std::optional<Plan> plan, plan_between_surfaces;
   std::optional<GuaranteePlan> guarantee;
   PairSampler pairs;
   FaceExchanges exchanges;
@@ -45,10 +45,11 @@ struct FormFactorRun::State {
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
-  LineMixture line_mixture{};        // pairs with lines, and directions that count the others
-  RayEngine* rays = nullptr;         // the plan's engine, where it counts along rays
-  std::vector<LinePair> line_pairs;  // as found, then with their planned lines
-  double finding_seconds = 0;        // that it took to find them
+  std::optional<PairNumbers> pair_numbers;  // estimated
+  LineMixture line_mixture{};               // pairs with lines, and directions that count the others
+  RayEngine* rays = nullptr;                // the plan's engine, where it counts along rays
+  std::vector<LinePair> line_pairs;         // as found, then with their planned lines
+  double finding_seconds = 0;               // that it took to find them
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
@@ -107,6 +108,8 @@ struct FormFactorRun::State {
   bool isBegun() const { return estimate_run || guarantee_run || line_run || common_sums; }
   uint64_t replicateCount() const { return line_guarantee ? line_guarantee->lookCount() : sums().replicateCount(); }
 
+  std::string takeDirectionsAlone();
+  const PairNumbers& pairNumbers();
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();

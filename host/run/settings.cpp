@@ -72,8 +72,8 @@ Settings settingsOf(const Setup& setup) {
 }
 
 bool mayBePlanned(const std::string& name) {
-  constexpr std::array kPlanned = {"--unoccluded", "--pair-lines", "--directions", "--resolution",
-                                   "--finest",     "--range",      "--block",      "--rays"};
+  constexpr std::array kPlanned = {"--unoccluded", "--pair-lines", "--directions", "--resolution",     "--finest",
+                                   "--range",      "--block",      "--rays",       kAimsAtLargestError};
   return std::ranges::find(kPlanned, name) != kPlanned.end();
 }
 
@@ -81,6 +81,7 @@ Settings settingsOf(const Setup& setup, const PlanSummary& plan) {
   Settings all = settingsOf(setup);
   all.emplace_back("--unoccluded", setup.usesUnoccluded() ? "on" : "off");
   if (setup.usesPairLines()) all.emplace_back("--pair-lines", "on");
+  if (setup.countsSurfaces()) all.emplace_back(kAimsAtLargestError, "yes");
   if (plan.pair_lines && plan.pair_lines->has_rays) all.emplace_back("--rays", "on");
   if (plan.guarantee) {
     all.insert(all.end(), {{"--resolution", std::to_string(setup.resolution())},

@@ -12,6 +12,7 @@
 #include "engines/ranked_engine.h"
 #include <viewpeel/error.h>
 #include "estimator/find_prior.h"
+#include "estimator/plan_lines.h"
 #include "io/checkpoint.h"
 #include "run/rules.h"
 #include "scene/interpenetration.h"
@@ -164,6 +165,18 @@ bool Setup::plansWhichPairs() const {
   return !is_everything || mayFit(mixture(), estimate_.replicates, face_ids_.count());
 }
 
+bool Setup::mayCountSurfaces() const {
+  return request_.by == By::surface && estimate_.tolerance && !estimate_.relative && !estimate_.seconds &&
+         request_.question.isEverything() && !guarantee() && !unoccluded_ && plans_ && !isExact() &&
+         !request_.pair_lines && !request_.lines_for_all && !request_.promise.value_or(false) &&
+         optionAgainstPairLines(request_).empty() && mayPayMixture(face_ids_.count());
+}
+
+void Setup::countSurfaces() {
+  counts_surfaces_ = true;
+  if (estimate_.tolerance) *estimate_.tolerance /= kErrorsInGoal;
+}
+
 LineMixture Setup::mixture() const {
   double area = 0;
   for (const double of_face : face_ids_.areas) area += of_face;
@@ -277,6 +290,7 @@ GuaranteeOptions Setup::guaranteeOptions() const {
 void Setup::adoptPlan(const Settings& stored) {
   if (stored.empty()) return;
   pair_lines_ = findSetting(stored, "--pair-lines") == "on";
+  if (findSetting(stored, kAimsAtLargestError)) countSurfaces();
   if (unoccluded_by_default_ && unoccluded_possible_) {
     unoccluded_ = findSetting(stored, "--unoccluded") == "on";
     unoccluded_by_default_ = false;

@@ -14,6 +14,9 @@
 
 namespace viewpeel {
 
+// Name of the setting of a run of common directions whose tolerance is about the largest error.
+constexpr const char* kAimsAtLargestError = "aims_at_largest_error";
+
 class Setup {
  public:
   // Settles the request and opens the device.
@@ -79,6 +82,11 @@ class Setup {
   // (line_mixture.h), or, in a large scene, none. In a small scene only an estimate leaves out lines.
   bool plansWhichPairs() const;
   LineMixture mixture() const;
+  // Returns whether common directions alone may count the form factors between surfaces of an estimate.
+  bool mayCountSurfaces() const;
+  // Lets them do so. The tolerance is still about the largest error.
+  void countSurfaces();
+  bool countsSurfaces() const { return counts_surfaces_; }
   // Returns whether small polygons may have lattices of their own.
   bool mayHaveWindows() const;
   Lattices lattices() const;
@@ -103,7 +111,7 @@ class Setup {
   std::string sampler_, no_pair_lines_;
   EstimateOptions estimate_;
   bool plans_ = true, unoccluded_ = false, unoccluded_by_default_ = false, unoccluded_possible_ = false,
-       pair_lines_ = false;
+       pair_lines_ = false, counts_surfaces_ = false;
   int resolution_ = 0, finest_ = 0;
   std::optional<Device> device_;
   std::unique_ptr<Crew> crew_;

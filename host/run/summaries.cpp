@@ -57,6 +57,7 @@ PlanSummary summarise(const Setup& setup, const Plan& plan) {
   summary.pilot_seconds = plan.pilot_seconds;
   summary.goal_beyond_request = costBeyond(setup.request(), plan);
   summary.pair_lines = plan.pair_lines;
+  summary.aims_at_largest_error = plan.pair_lines || setup.countsSurfaces();
   for (uint32_t id : plan.barely_covered) summary.barely_covered.push_back(setup.ids().names[id]);
   return summary;
 }

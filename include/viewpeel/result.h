@@ -136,6 +136,8 @@ struct PlanSummary {
   std::optional<GuaranteeFigures> guarantee;
   std::optional<PairLinesSummary> pair_lines;
   std::optional<LineGuaranteeFigures> line_guarantee;
+  // Whether the tolerance of an estimate is about the largest error, as with pair lines; else about standard errors.
+  bool aims_at_largest_error = false;
   std::string no_promise;              // why the tolerance is estimated; empty where it is promised
   std::string no_pair_lines;           // of an estimate to a tolerance: why it has no pair lines; empty where it has
   uint64_t unoccluded_pairs = 0;       // of a guarantee: pairs with an unoccluded form factor
