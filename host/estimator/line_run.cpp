@@ -26,8 +26,9 @@ using Key = std::pair<uint32_t, uint32_t>;
 constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
-// If common directions count pairs, a run ends short of its goal after this multiple of its planned replicates.
-constexpr uint64_t kMostMixtureGrowth = 8;
+// A run ends short of its goal after this multiple of its planned replicates, for errors may stay as they are where the
+// weights of a pair's lines are very uneven.
+constexpr uint64_t kMostReplicateGrowth = 8;
 // The same where only rows that miss the goal have further rays, and the most replicates that these have at once.
 constexpr uint64_t kMostRayGrowth = 64;
 constexpr double kMostAtOnce = 16;
@@ -250,11 +251,12 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
     is_reached_ = false;
   }
   if (is_reached_) further_.clear();
+  const bool may_go_on =
+      sums_.replicateCount() < (hasFurtherRays() ? kMostRayGrowth : kMostReplicateGrowth) * options_.replicates;
+  if (!may_go_on) further_.clear();
   if (!hasCountedPairs() || !needs_directions_) return;
   is_reached_ = false;
-  if (sums_.replicateCount() < (hasFurtherRays() ? kMostRayGrowth : kMostMixtureGrowth) * options_.replicates &&
-      double(sums_.by_id.pairs().size()) < kMostCountedPairs)
-    further_.resize(pairs.size(), 0);
+  if (may_go_on && double(sums_.by_id.pairs().size()) < kMostCountedPairs) further_.resize(pairs.size(), 0);
 }
 
 // Returns an entry's error over the error that the goals allow.

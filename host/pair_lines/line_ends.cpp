@@ -15,8 +15,10 @@ void store(const dvec3& v, Number* to) {
 }  // namespace
 
 dvec3 acrossOf(const Patch& patch) {
+  // The diagonals give it, for three of a quadrilateral's corners may lie on one line.
   const dvec3* const c = patch.corners;
-  return glm::normalize(glm::cross(c[1] - c[0], c[2] - c[0]));
+  const dvec3 last = patch.corner_count == 3 ? c[0] : c[3];
+  return glm::normalize(glm::cross(c[2] - c[0], last - c[1]));
 }
 
 BlockerPlace placeFrom(BlockerPlace place, bool is_swapped) {

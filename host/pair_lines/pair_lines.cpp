@@ -18,10 +18,10 @@ constexpr size_t kMostChunk = 64;         // pairs that a thread takes at once,
 constexpr size_t kChunks = 16;            // so that each thread takes about this many chunks
 constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a thread takes at once
 constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
-constexpr double kLarge = 0.3;            // lines are drawn by angles where the unoccluded form factor is above this,
-constexpr double kNear = 0.15;            // or where the gap is below this share of the smaller patch's diagonal,
-constexpr double kLeastNear = 1e-3;       // the form factor is above this,
-constexpr double kUneven = 0.2;           // and fewer than this share of lines by points would count in effect
+// Lines are drawn by angles where the unoccluded form factor is above kLarge, or where it is above kLeastNear and the gap
+// is below kNear of the smaller patch's diagonal. They also are where, in a pilot by points, a share of the lines below
+// kUneven would count in effect, or the lines have less than kMissing of their mean weight: then heavy lines are missing.
+constexpr double kLarge = 0.3, kLeastNear = 1e-3, kNear = 0.15, kUneven = 0.2, kMissing = 0.5;
 constexpr uint32_t kMostPeriod = 8;
 
 bool areNear(const Patch& a, const Patch& b) {
@@ -247,12 +247,19 @@ bool PairLines::isPartial(const Group& group) const {
   return false;
 }
 
+bool PairLines::isNear(const Group& group) const {
+  for (uint32_t part = group.first; part < group.first + group.count; ++part)
+    if (areNear(finder_.patches()[parts_.pairs[part].a], finder_.patches()[parts_.pairs[part].b])) return true;
+  return false;
+}
+
 // Returns how many lines a pair needs for its goal. A pilot of 16 lines tells, or one of 128 lines where 16 are too few
-// to tell. There is no pilot where 16 lines reach the goal for any visibility.
+// to tell. There is no pilot where 16 lines reach the goal for any visibility. A few lines of a near pair may have
+// nearly all the weight, so that even 16 lines say nothing.
 //   In: goal: standard error of the visibility    Out: pair: by_angles is set where lines by angles are better
 double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vectors vectors) const {
   constexpr double kPilotLines = LineDrawer::kBlockLines;
-  if (goal >= kCertainError) return kPilotLines;
+  if (goal >= 1 || (goal >= kCertainError && !isNear(group))) return kPilotLines;
   const double agreeing = kAgreeingLines * largestShareOf(group) / goal;
   LineSums::PairSum sum;
   std::optional<Drawer> drawer(std::in_place, *this, pair, group);
@@ -261,8 +268,9 @@ double PairLines::findNeed(LinePair& pair, const Group& group, double goal, Vect
       LineSums::addTo(sum, drawer->draw(kLineReplicates.first + p, pair.blocks, vectors));
   };
   const auto takeBetterWay = [&](uint32_t pilots) {
-    if (pair.by_angles || group.is_cut || double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines)
-      return;
+    const bool are_even = double(sum.effective) / kEffectiveUnit >= kUneven * pilots * kPilotLines,
+               are_all_there = double(sum.all) >= kMissing * pilots * kLineUnit;
+    if (pair.by_angles || group.is_cut || (are_even && are_all_there)) return;
     pair.by_angles = true;
     drawer.emplace(*this, pair, group);
     sum = {};

@@ -174,6 +174,7 @@ class PairLines {
   std::vector<LineCounts> drawOnThreads(std::span<const LinePair> pairs, const LineCounts& due, uint64_t replicate,
                                         size_t replicates, bool is_further) const;
   bool isPartial(const Group& group) const;
+  bool isNear(const Group& group) const;
   double costOf(const Group& group) const;
   double largestShareOf(const Group& group) const;
   std::vector<LinePair> findHere(double least_form_factor);

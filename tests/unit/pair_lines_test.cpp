@@ -188,6 +188,19 @@ TEST(DrawLines, VisibilityPastOneBlockerIsTheIntegral) {
   EXPECT_GE(tried, 20);
 }
 
+// Three corners of a wall lie on one line, but for the rounding of a file: the middle one lies 5e-8 before the plane.
+// The triangle of these corners says nothing of the wall's normal.
+TEST(DrawLines, ThreeCornersMayLieOnALine) {
+  const rt::Corners wall = {{0, 0, 0}, {0.5, 0, 5e-8}, {0.7, 0, 0}, {0.7, 0.6, 0}},
+                    other = rt::rectangle({0, 0, 0.5}, {0, 1, 0}, {1, 0, 0}),
+                    blocker = rt::rectangle({0.3, 0.2, 0.2}, {0.3, 0, 0}, {0, 0.3, 0});
+  for (const LineWay way : {LineWay::points, LineWay::angles}) {
+    double mean_weight = 0;
+    visibilityOfLines({wall, other, blocker}, way, mean_weight);
+    EXPECT_NEAR(mean_weight, 1, 0.03) << (way == LineWay::points ? "points" : "angles");
+  }
+}
+
 // Two squares touch along an edge. Weights of uniform points have infinite variance there, so lines are drawn by
 // angles.
 TEST(DrawLines, AnglesOfTouchingSquaresPastABlocker) {
@@ -442,6 +455,28 @@ TEST(PairLines, SmallPairsGetSixteenLinesWithoutAPilot) {
     ++small;
   }
   EXPECT_GT(small, 1000u);
+}
+
+// A floor and a ceiling close above it meet above one line. Only lines near there have weights, so that sixteen lines by
+// points say nothing: the pair has a pilot, which shows that weights are missing, and lines by angles.
+TEST(PairLines, NearPairsHaveAPilot) {
+  InputScene input{"floor and ceiling", {}, {}};
+  ts::addFace(input, "floor", ts::parallelogram({0, 0, 0}, {40, 0, 0}, {0, 8, 0}));
+  ts::addFace(input, "ceiling", ts::parallelogram({40, 0, 0.02}, {0, 8, 0}, {40, 0, 0}));
+  ts::addFace(input, "blocker", ts::parallelogram({40, 2, 0.005}, {0, 1, 0}, {0, 0, 0.01}));
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  PairLines lines(scene, ids, false, 1, 1);
+  std::vector<LinePair> pairs = lines.find();
+  const auto pair = std::ranges::find_if(pairs, [](const LinePair& of) { return of.i == 0 && of.j == 1; });
+  ASSERT_NE(pair, pairs.end());
+  ASSERT_FALSE(pair->by_angles);
+  lines.plan(
+      pairs, [](const LinePair& of) { return 0.35 * (of.exchange - of.clear); }, 8);
+  EXPECT_TRUE(pair->by_angles);
+  lines.plan(
+      pairs, [](const LinePair& of) { return of.exchange - of.clear; }, 8);
+  EXPECT_EQ(pair->linesIn(8), 16);  // no error is larger
 }
 
 }  // namespace
