@@ -6,6 +6,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +16,9 @@
 #include "hash.h"
 #include "pair_lines/sobol_points.h"
 #include "scene/coincident.h"
+#include "scene/perimeter.h"
 #include "scene/polygon_tree.h"
+#include "scene/sight.h"
 #include "sums/pair_count.h"
 #include "threads.h"
 
@@ -25,7 +28,10 @@ namespace {
 using glm::dvec3;
 using Point = LaneVector<float>;
 
-constexpr double kLeastSize = 1e-5;        // root of the least area of a polygon, some 30 times kRayReach
+// Rays from polygons up to this width, some 30 times kRayReach, start in double precision, which takes ten times as long.
+// There may be this share of them.
+constexpr double kNarrow = 1e-5, kMostNarrow = 0.05;
+constexpr double kLeastSize = 1e-6;        // root of the least area of a polygon: counts of smaller ones might overflow
 constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single precision
 constexpr double kUnitShare = 0x1p-14;     // of the smallest polygon's area: what one count stands for
 constexpr size_t kChunk = 16;              // polygons that a thread takes at once
@@ -61,6 +67,10 @@ struct Emitter {
   Point axes[3];                                                 // the last one is the side's normal
   std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide the side, nearest first
 };
+
+bool isNarrow(const Scene& scene, const Polygon& polygon) {
+  return 2 * polygon.area <= kNarrow * perimeterOf(scene, polygon);
+}
 
 class TreeRayEngine : public RayEngine {
  public:
@@ -99,6 +109,9 @@ class TreeRayEngine : public RayEngine {
   template <class Types>
   void cast(const Emitter& from, uint32_t plane, const Points& points, const std::array<uint32_t, 4>& scrambles,
             Hits& hits) const;
+  template <class Types>
+  void castFromNarrow(uint32_t polygon, bool from_front, const Points& points, const std::array<uint32_t, 4>& scrambles,
+                      Hits& hits) const;
   void addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
                  PairCounts& counts) const;
 
@@ -111,6 +124,8 @@ class TreeRayEngine : public RayEngine {
   const RayTree tree_;
   double unit_;
   std::vector<Emitter> emitters_;      // by polygon and side
+  std::vector<bool> narrow_;           // by polygon, whether it isNarrow()
+  std::optional<Sight> sight_;         // where there are narrow polygons
   std::vector<uint32_t> rays_;         // by id, of all sides; empty: as many as directions
   std::map<uint32_t, Points> points_;  // by their number
 };
@@ -127,6 +142,8 @@ TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOp
   const PolygonTree near(scene);
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     for (uint32_t side = 0; side < sides_; ++side) emitters_.push_back(emitterOf(k, side == 0, near));
+  for (const Polygon& polygon : scene.polygons) narrow_.push_back(isNarrow(scene, polygon));
+  if (std::ranges::count(narrow_, true) > 0) sight_.emplace(scene);
 }
 
 Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonTree& near) const {
@@ -232,6 +249,29 @@ template <class Types>
   }
 }
 
+// Casts the rays of one side of a narrow polygon, in double precision.
+template <class Types>
+[[gnu::always_inline]] inline void TreeRayEngine::castFromNarrow(uint32_t polygon, bool from_front,
+                                                                 const Points& points,
+                                                                 const std::array<uint32_t, 4>& scrambles,
+                                                                 Hits& hits) const {
+  using Floats = typename Types::Floats;
+  for (size_t first = 0; first < points.count; first += kLineLanes) {
+    Floats u[4];
+    for (int d = 0; d < 4; ++d)
+      u[d] = scrambled(load<typename Types::Words>(points.digits[d].data() + first), scrambles[d]);
+    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, points.count - first));
+    for (int lane = 0; lane < lanes; ++lane) {
+      const dvec3 direction = sight_->directionFrom(polygon, from_front, 1 - double(u[0][lane]), double(u[1][lane]));
+      const Sight::End end =
+          sight_->look(polygon, sight_->pointOn(polygon, double(u[2][lane]), double(u[3][lane])), direction);
+      if (end.polygon == Sight::kNothing) ++hits.environment;
+      else if (!ids_.two_sided && !end.is_front) ++hits.leak;
+      else if (hits.of_polygon[end.polygon]++ == 0) hits.polygons.push_back(end.polygon);
+    }
+  }
+}
+
 // Turns the hits of one polygon's rays into counts, and clears them.
 //   In: weight: of a direction; outside_alone: whether only environment and leak count
 void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
@@ -285,7 +325,8 @@ PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const
           const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(emitter)});
           runInLanes(
               vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
-                cast<Types>(emitters_[emitter], scene_.polygons[k].plane, points, scrambles, hits[thread]);
+                if (narrow_[k]) castFromNarrow<Types>(polygon, emitter == k * sides_, points, scrambles, hits[thread]);
+                else cast<Types>(emitters_[emitter], scene_.polygons[k].plane, points, scrambles, hits[thread]);
               });
         }
         addCounts(polygon, directions.size(), weight, rows, hits[thread], counts[thread]);
@@ -300,9 +341,9 @@ PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const
 }  // namespace
 
 bool suitsRays(const Scene& scene) {
-  return scene.polygons.size() < kMostPolygons && std::ranges::all_of(scene.polygons, [](const Polygon& polygon) {
-           return polygon.area > kLeastSize * kLeastSize;
-         });
+  const auto narrow = std::ranges::count_if(scene.polygons, [&](const Polygon& of) { return isNarrow(scene, of); });
+  return scene.polygons.size() < kMostPolygons && double(narrow) <= kMostNarrow * double(scene.polygons.size()) &&
+         std::ranges::min(scene.polygons, {}, &Polygon::area).area > kLeastSize * kLeastSize;
 }
 
 uint32_t RayEngine::usualRays(double at_least) {

@@ -18,7 +18,8 @@
 
 namespace viewpeel {
 
-// Returns whether a scene's polygons are neither too small nor too many for rays in single precision.
+// Returns whether a scene's polygons are neither too many nor too small for rays. Single precision serves most of them;
+// a few may be so narrow that their rays start in double precision.
 bool suitsRays(const Scene& scene);
 
 // A RayEngine is an engine that counts along rays.

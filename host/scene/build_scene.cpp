@@ -71,16 +71,17 @@ std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scen
   return corners;
 }
 
-// Returns whether a face is wider than the rounding of its coordinates in the unit ball: 2^-53 for each coordinate, in
-// a cross product of edges.
-bool hasArea(const std::vector<glm::dvec3>& corners) {
-  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * perimeterOf(corners);
+// Returns whether a face is wider than the rounding of its coordinates in a cross product of edges. A coordinate is
+// rounded to 2^-53 of itself in the file, and once more in the unit ball.    In: corners: in unit-ball units
+bool hasArea(const std::vector<glm::dvec3>& corners, const Scene& scene) {
+  const double farthest = glm::length(scene.centre) / scene.scale;  // from the file's origin
+  return glm::length(twiceVectorArea(corners)) > 8 * 0x1p-53 * (1 + farthest) * perimeterOf(corners);
 }
 
 // Returns why a face takes no part, and gets an empty row; nullptr where it takes part.
-const char* reasonToDrop(const std::vector<glm::dvec3>& corners) {
+const char* reasonToDrop(const std::vector<glm::dvec3>& corners, const Scene& scene) {
   if (corners.size() < 3) return "fewer than three different corners";
-  return hasArea(corners) ? nullptr : "zero area";
+  return hasArea(corners, scene) ? nullptr : "zero area";
 }
 
 // Dropped collects the warnings about faces that are left out.
@@ -136,7 +137,7 @@ void addPiece(const std::vector<glm::dvec3>& corners, const std::vector<uint32_t
   for (size_t k = 1; k + 1 < piece.size(); k += 2) {
     std::vector<glm::dvec3> polygon_corners = {corners[piece[0]], corners[piece[k]], corners[piece[k + 1]]};
     if (k + 2 < piece.size()) polygon_corners.push_back(corners[piece[k + 2]]);
-    if (piece.size() > 4 && !hasArea(polygon_corners)) continue;  // its corners lie on one edge
+    if (piece.size() > 4 && !hasArea(polygon_corners, scene)) continue;  // its corners lie on one edge
     Polygon polygon;
     polygon.first_corner = static_cast<uint32_t>(scene.corners.size());
     polygon.corner_count = static_cast<uint32_t>(polygon_corners.size());
@@ -160,7 +161,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   std::vector<bool> is_left_out(input.faces.size(), false);
   Dropped dropped;
   for (size_t row = 0; row < input.faces.size(); ++row) {
-    const char* reason = reasonToDrop(distinctCorners(input.faces[row], scene));
+    const char* reason = reasonToDrop(distinctCorners(input.faces[row], scene), scene);
     if (reason) dropped.count(reason, place(input, input.faces[row]));
     is_left_out[row] = reason != nullptr;
   }

@@ -173,6 +173,17 @@ TEST(BuildScene, TinyPolygonsAreKept) {
               5e-13 * 1e-9);  // corners are rounded by 1e-16, a side is 1e-6 long
 }
 
+// A face is no wider than the rounding of its coordinates: at 1e6 these are multiples of 1.2e-10. Near the origin the
+// same face has an area.
+TEST(BuildScene, FacesNarrowerThanRoundingAreDropped) {
+  for (const double offset : {0.0, 1e6}) {
+    InputScene input = ts::parallelSquares();
+    ts::addFace(input, "sliver", {{0, 0, 0.5}, {1, 0, 0.5}, {0.5, 1.2e-10, 0.5}});
+    const Scene scene = buildScene(ts::transformed(input, glm::dmat3(1), 1, glm::dvec3(offset)));
+    EXPECT_EQ(scene.polygons.size(), offset > 0 ? 2u : 3u) << offset;
+  }
+}
+
 TEST(BuildScene, EveryCornerLiesInTheUnitBall) {
   for (const InputScene& input : {ts::cubeInCube(0.3), ts::triangleSoup(100, 0.3, 1)}) {
     const Scene scene = buildScene(input);

@@ -152,6 +152,28 @@ TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
     EXPECT_NEAR(found.rowSums()[i].value, 1, 6 * found.rowSums()[i].standard_error + rounding) << ids.names[i];
 }
 
+// A strip lies on top of a plate, behind the plate's front, and is about as wide as single precision rounds. So the strip
+// sees nothing of the plate, and the room as if the plate were not there.
+TEST(RayEngine, NarrowPolygonsHaveRaysInDoublePrecision) {
+  constexpr double kWidth = 5e-7;
+  constexpr uint32_t kRays = 1024;
+  InputScene input = bench::refined(buildScene(ts::insideOfCube()), 4);
+  ts::addFace(input, "plate", ts::parallelogram({0.5, 0.3, 0.2}, {0, 0.4, 0}, {0, 0, 0.3}));
+  ts::addFace(input, "strip", ts::parallelogram({0.5 - kWidth, 0.3, 0.5}, {kWidth, 0, 0}, {0, 0.4, 0}));
+  const Scene scene = buildScene(input);
+  ASSERT_TRUE(suitsRays(scene));
+  const FormFactors found = byRays(scene, makeIds(scene, By::surface, false), kRays),
+                    wanted = byLines(scene, By::surface);
+  const Ids& ids = found.ids();
+  const auto strip = static_cast<uint32_t>(std::ranges::find(ids.names, "strip") - ids.names.begin()),
+             plate = static_cast<uint32_t>(std::ranges::find(ids.names, "plate") - ids.names.begin());
+  EXPECT_EQ(found.formFactor(strip, plate).value, 0);
+  // A share of the rays has at most the error of independent rays; lines have 1e-3 in all.
+  const double error = 6 * std::sqrt(0.25 / (kRays * kReplicates)) + 1e-3;
+  for (uint32_t j = 0; j < ids.count(); ++j)
+    EXPECT_NEAR(found.formFactor(strip, j).value, wanted.formFactor(strip, j).value, error) << ids.names[j];
+}
+
 TEST(RayEngine, IsNotForTinyPolygons) {
   EXPECT_TRUE(suitsRays(buildScene(ts::insideOfCube())));
   InputScene input = ts::insideOfCube();
