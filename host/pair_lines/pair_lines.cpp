@@ -18,9 +18,10 @@ constexpr size_t kMostChunk = 64;         // pairs that a thread takes at once,
 constexpr size_t kChunks = 16;            // so that each thread takes about this many chunks
 constexpr size_t kUniformChunk = 16;      // tasks of independent lines that a thread takes at once
 constexpr uint32_t kSampledPairs = 4096;  // for an estimate of all pairs
-// Lines are drawn by angles where the unoccluded form factor is above kLarge, or where it is above kLeastNear and the gap
-// is below kNear of the smaller patch's diagonal. They also are where, in a pilot by points, a share of the lines below
-// kUneven would count in effect, or the lines have less than kMissing of their mean weight: then heavy lines are missing.
+// Lines are drawn by angles where the unoccluded form factor is above kLarge, or where it is above kLeastNear and the
+// gap is below kNear of the smaller patch's diagonal. They also are where, in a pilot by points, a share of the lines
+// below kUneven would count in effect, or the lines have less than kMissing of their mean weight, for heavy ones are
+// missing.
 constexpr double kLarge = 0.3, kLeastNear = 1e-3, kNear = 0.15, kUneven = 0.2, kMissing = 0.5;
 constexpr uint32_t kMostPeriod = 8;
 

@@ -457,8 +457,8 @@ TEST(PairLines, SmallPairsGetSixteenLinesWithoutAPilot) {
   EXPECT_GT(small, 1000u);
 }
 
-// A floor and a ceiling close above it meet above one line. Only lines near there have weights, so that sixteen lines by
-// points say nothing: the pair has a pilot, which shows that weights are missing, and lines by angles.
+// A floor and a ceiling close above it meet above one line. Only lines near there have weights, so that sixteen lines
+// by points say nothing: the pair has a pilot, which shows that weights are missing, and lines by angles.
 TEST(PairLines, NearPairsHaveAPilot) {
   InputScene input{"floor and ceiling", {}, {}};
   ts::addFace(input, "floor", ts::parallelogram({0, 0, 0}, {40, 0, 0}, {0, 8, 0}));

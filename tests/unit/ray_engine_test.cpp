@@ -152,8 +152,8 @@ TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
     EXPECT_NEAR(found.rowSums()[i].value, 1, 6 * found.rowSums()[i].standard_error + rounding) << ids.names[i];
 }
 
-// A strip lies on top of a plate, behind the plate's front, and is about as wide as single precision rounds. So the strip
-// sees nothing of the plate, and the room as if the plate were not there.
+// A strip lies on top of a plate, behind the plate's front, and is about as wide as single precision rounds. So the
+// strip sees nothing of the plate, and the room as if the plate were not there.
 TEST(RayEngine, NarrowPolygonsHaveRaysInDoublePrecision) {
   constexpr double kWidth = 5e-7;
   constexpr uint32_t kRays = 1024;
