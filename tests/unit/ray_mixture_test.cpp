@@ -201,7 +201,13 @@ TEST(RayMixture, IsForOpenScenesOfManyPairs) {
   EXPECT_TRUE(run.plan().pair_lines->has_rays);
   EXPECT_EQ(run.plan().pair_lines->least_form_factor, kFineGoal / kMostOfCounted);
   EXPECT_NE(run.plan().no_promise.find("twice the time of rays"), std::string::npos) << run.plan().no_promise;
-  ts::addFace(room, "tiny", ts::parallelogram({1, 1, 2}, {1e-5, 0, 0}, {0, 1e-5, 0}));
+  ts::addFace(room, "small", ts::parallelogram({1, 2, 2}, {1e-5, 0, 0}, {0, 1e-5, 0}));
+  const Scene scene_with_small = buildScene(room);
+  FormFactorRun with_small(scene_with_small, request);
+  with_small.makePlan();
+  ASSERT_TRUE(with_small.plan().pair_lines);
+  EXPECT_TRUE(with_small.plan().pair_lines->has_rays);
+  ts::addFace(room, "tiny", ts::parallelogram({1, 1, 2}, {1e-6, 0, 0}, {0, 1e-6, 0}));
   const Scene scene_with_tiny = buildScene(room);
   FormFactorRun with_tiny(scene_with_tiny, request);
   with_tiny.makePlan();
