@@ -179,6 +179,14 @@ double Planner::secondsOf(const Load& load) const {
   return per_group * load.groups + per_point * load.points;
 }
 
+// Returns the seconds that all pilots took, or should have taken by the costs that are given.
+double Planner::secondsOfPilots() const {
+  if (!lattices_.costs) return pilot_seconds_;
+  double seconds = 0;
+  for (const Pilot& pilot : pilots_) seconds += 2 * kPilotReplicates * double(pilot.directions) * secondsOf(pilot.load);
+  return seconds;
+}
+
 std::vector<SizeGroup> planGroups(const Scene& scene, const Ids& ids, Sampling sampling, int base, int finest,
                                   double directions) {
   const std::vector<double> fineness = finenessOf(perimetersPerAreaSquared(scene, ids));

@@ -139,7 +139,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
       for (double* variance : {&pilot.variances.of_directions, &pilot.variances.of_lattices, &pilot.variances.doubt})
         *variance *= stated / found;
   }
-  pilot_seconds_ += lattices_.costs ? seconds : secondsSince(begun);
+  pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
   timings_.push_back({pilot.load, seconds / counted_directions});
 }

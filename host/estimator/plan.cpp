@@ -115,7 +115,7 @@ Plan Planner::plan(double most_seconds) {
     if (!is_doubtful && directions < 3 * last.directions &&
         std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest))
       break;
-    if ((!is_doubtful && choice.seconds < 10 * pilot_seconds_) || std::max(directions, last.directions) > 2 * most)
+    if ((!is_doubtful && choice.seconds < 10 * secondsOfPilots()) || std::max(directions, last.directions) > 2 * most)
       break;
     measure(std::max(directions, last.directions), choice.shape);
     choice = choose();

@@ -112,6 +112,7 @@ class Planner {
   bool isDoubtful(const Choice& choice) const;
   Load loadOf(const Shape& shape, double directions) const;
   double secondsOf(const Load& load) const;
+  double secondsOfPilots() const;
   double neededBy(const SizeClass& size, const Shape& shape, double directions) const;
   std::vector<int> resolutionsOf(const Shape& shape, double directions) const;
   size_t windowsOf(const std::vector<int>& resolutions, int base) const;

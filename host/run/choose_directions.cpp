@@ -3,6 +3,7 @@
 
 #include "estimator/plan_lines.h"
 #include "run/run_state.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -36,6 +37,7 @@ std::string FormFactorRun::State::takeDirectionsAlone() {
   *options.tolerance /= kErrorsInGoal;
   Plan found = planEstimate(setup.scene(), setup.ids(), options, lattices, most);
   if (!found.engine) return "";
+  found.seconds /= setup.request().threads ? setup.request().threads : double(threadCount());
   plan_between_surfaces = std::move(found);
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of common directions");

@@ -45,8 +45,8 @@ bool FormFactorRun::State::planPromise() {
   setup.promise(is_open);
   try {
     if (leaked_share > kGrazedPart * tolerance)
-      throw Error(ErrorCode::limit,
-                  fmt::format("{:.2g} % of a row's radiation ends on backs of polygons", 100 * leaked_share));
+      throw Error(ErrorCode::limit, fmt::format("about {:.3g} % of a row's radiation ends on backs of polygons",
+                                                100 * std::min(1.0, leaked_share)));  // few lines may say more than all
     makeLineGuarantee();
     const LineGuaranteeFigures& figures = line_guarantee->figures();
     if (!setup.request().promise && !isWorthPromise(figures.cost, figures.estimate_cost))

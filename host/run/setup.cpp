@@ -166,7 +166,10 @@ bool Setup::plansWhichPairs() const {
 }
 
 bool Setup::mayCountSurfaces() const {
-  return request_.by == By::surface && estimate_.tolerance && !estimate_.relative && !estimate_.seconds &&
+  // A software device would take many times as long as the processor's threads, which draw lines in any case.
+  const bool is_quick = engine_ == EngineKind::host ||
+                        (engine_ == EngineKind::compute && device_ && device_->description().kind != "cpu");
+  return is_quick && request_.by == By::surface && estimate_.tolerance && !estimate_.relative && !estimate_.seconds &&
          request_.question.isEverything() && !guarantee() && !unoccluded_ && plans_ && !isExact() &&
          !request_.pair_lines && !request_.lines_for_all && !request_.promise.value_or(false) &&
          optionAgainstPairLines(request_).empty() && mayPayMixture(face_ids_.count());
