@@ -116,8 +116,8 @@ bool mayPayDirectionsAlone(size_t face_count, double seconds) {
 
 double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count, bool is_open, bool is_large,
                                     bool may_promise) {
-  // Where common directions count the small pairs of a closed scene, sums of these between surfaces hardly reach a
-  // goal. So the closed scene would need lines for all pairs.
+  // In a closed scene common directions would count the small pairs of a mixture. Form factors between surfaces, which
+  // are sums of many such pairs, then hardly reach a goal. So the alternative there is lines for all pairs.
   if (is_open && is_large)
     return (double(face_count) * kSecondsOfFaceBesideRays +
             (pairs.large + pairs.small_of_parts) * kSecondsOfPairBesideRays) /

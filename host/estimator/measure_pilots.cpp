@@ -120,9 +120,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     counted.back().second = engine_->count(drawn.directions);
     thin(counted.back().second, one_pair_of);
   }
-  const double counted_directions = 2 * kPilotReplicates * double(directions),
-               seconds =
-                   lattices_.costs ? counted_directions * secondsOf(loadOf(shape, directions)) : secondsSince(start);
+  const double seconds = secondsSince(start);
 
   const double measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions * weight_unit;
   Pilot pilot{directions, shape, pilotVariances(counted, ids_, id_of_face_, measure_area, options_),
@@ -141,7 +139,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   }
   pilot_seconds_ += secondsSince(begun);
   pilots_.push_back(pilot);
-  timings_.push_back({pilot.load, seconds / counted_directions});
+  timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
 // Returns the largest standard error that the run would state after the counts of the pilot. As in the run, the error

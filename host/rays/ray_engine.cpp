@@ -28,8 +28,8 @@ namespace {
 using glm::dvec3;
 using Point = LaneVector<float>;
 
-// Rays from polygons up to this width, some 30 times kRayReach, start in double precision, which takes ten times as
-// long. There may be this share of them.
+// Rays from polygons up to the width kNarrow, some 30 times kRayReach, start in double precision, which takes ten times
+// as long. At most the share kMostNarrow of a scene's polygons may be so narrow.
 constexpr double kNarrow = 1e-5, kMostNarrow = 0.05;
 constexpr double kLeastSize = 1e-6;        // root of the least area of a polygon: counts of smaller ones might overflow
 constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single precision

@@ -168,7 +168,8 @@ TEST(RayEngine, NarrowPolygonsHaveRaysInDoublePrecision) {
   const auto strip = static_cast<uint32_t>(std::ranges::find(ids.names, "strip") - ids.names.begin()),
              plate = static_cast<uint32_t>(std::ranges::find(ids.names, "plate") - ids.names.begin());
   EXPECT_EQ(found.formFactor(strip, plate).value, 0);
-  // A share of the rays has at most the error of independent rays; lines have 1e-3 in all.
+  // The share of a row's rays that end on a surface errs no more than that of independent rays would. Form factors by
+  // lines err by 1e-3.
   const double error = 6 * std::sqrt(0.25 / (kRays * kReplicates)) + 1e-3;
   for (uint32_t j = 0; j < ids.count(); ++j)
     EXPECT_NEAR(found.formFactor(strip, j).value, wanted.formFactor(strip, j).value, error) << ids.names[j];
