@@ -15,8 +15,19 @@ using glm::dvec3;
 
 constexpr uint32_t kLeafPatches = 16;
 // Clusters gather patches that are close in place and in normal. A difference of normals counts as this many sizes of
-// the scene.
-constexpr double kNormalWeight = 0.3;
+// patches: with fewer, flat clusters, which do not face each other, are broken up (a refined office takes 8 % longer at
+// 1); with more, clusters of a large city stretch over it, and much lies between them (a surveyed city of 36,257
+// triangles takes 2.4 times as long with clusters that spread over 0.3 of its radius).
+constexpr double kNormalSizes = 5;
+
+// Returns the median of the square roots of the patches' areas.
+double medianSize(const std::vector<Patch>& patches) {
+  std::vector<double> areas;
+  for (const Patch& patch : patches) areas.push_back(patch.area);
+  const auto middle = areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2);
+  std::ranges::nth_element(areas, middle);
+  return std::sqrt(*middle);
+}
 
 // Returns whether convex polygons of one plane have more than an edge in common.
 template <class A, class B>
@@ -65,7 +76,9 @@ PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
   findCovers();
   order_.resize(patches_.size());
   std::iota(order_.begin(), order_.end(), 0u);
-  if (!patches_.empty()) build(order_, 0, static_cast<uint32_t>(patches_.size()));
+  if (patches_.empty()) return;
+  normal_weight_ = kNormalSizes * medianSize(patches_);
+  build(order_, 0, static_cast<uint32_t>(patches_.size()));
 }
 
 void PairFinder::findCovers() {
@@ -105,7 +118,7 @@ uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_
   double low[6], high[6];
   std::fill_n(low, 6, INFINITY), std::fill_n(high, 6, -INFINITY);
   const auto placeOf = [&](uint32_t p, int axis) {
-    return axis < 3 ? patches_[p].middle[axis] : kNormalWeight * patches_[p].normal[axis - 3];
+    return axis < 3 ? patches_[p].middle[axis] : normal_weight_ * patches_[p].normal[axis - 3];
   };
   for (uint32_t k = first; k < end; ++k) {
     const Patch &patch = patches_[order[k]], &one = patches_[node.patch];

@@ -120,6 +120,7 @@ class PairFinder {
   std::vector<uint32_t> largest_first_;  // indices of blockers
   std::vector<Node> nodes_;
   std::vector<uint32_t> order_;  // indices of patches; each node has a range
+  double normal_weight_ = 0;     // the distance that a difference of normals counts as
   HostUnoccluded unoccluded_;
 };
 
