@@ -62,7 +62,9 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
   if (sums.lines) {
     for (const LinePair& pair : sums.lines->pairs()) estimate.line_pairs += pair.blocks > 0;
     estimate.lines = sums.lines->lineCount();
-    if (sums.lines->leastFormFactor() > 0) estimate.unmet_bound = sums.lines->leastFormFactor();
+    const double least = sums.lines->leastFormFactor();
+    if (least >= kAllCounted) estimate.unmet_bound = sums.by_surface.unmetBoundOfRays(double(sums.directions));
+    else if (least > 0) estimate.unmet_bound = least;
     return estimate;
   }
   // Where the prior has the unoccluded form factors of all pairs, a pair without an entry has F0 = 0: its faces would

@@ -51,6 +51,12 @@ double secondsInClosed(const PairNumbers& pairs) {
   return pairs.found * kSecondsOfPair + (pairs.facing - pairs.found) * kSecondsOfHidden;
 }
 
+// Returns the seconds that the large pairs take beside rays, between surfaces.
+double secondsBesideRays(const PairNumbers& pairs, size_t face_count) {
+  return double(face_count) * kSecondsOfFaceBesideRays +
+         (pairs.large + pairs.small_of_parts) * kSecondsOfPairBesideRays;
+}
+
 }  // namespace
 
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
@@ -68,6 +74,14 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
 LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays) {
   const uint32_t most = std::ranges::max(rays);
   return {.least_form_factor = options.leastAllowedError() / kMostOfCounted,
+          .directions = most,
+          .resolution = LatticeOptions{}.resolution,
+          .rays = std::move(rays)};
+}
+
+LineMixture raysAlone(std::vector<uint32_t> rays) {
+  const uint32_t most = std::ranges::max(rays);
+  return {.least_form_factor = kAllCounted,
           .directions = most,
           .resolution = LatticeOptions{}.resolution,
           .rays = std::move(rays)};
@@ -110,6 +124,12 @@ bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
   return all > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) * of_mixture);
 }
 
+double secondsOfRays(double rays) { return kSecondsOfRay * rays; }
+
+bool paysRaysAlone(const PairNumbers& pairs, size_t face_count, double rays_alone, double rays_beside) {
+  return kWorth * kSecondsOfRay * rays_alone < kSecondsOfRay * rays_beside + secondsBesideRays(pairs, face_count);
+}
+
 bool mayPayDirectionsAlone(size_t face_count, double seconds) {
   return double(pairCount(face_count)) * kSecondsOfHiddenInOpen > std::max(kSoon, kWorthBesideRays * seconds);
 }
@@ -118,10 +138,7 @@ double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count,
                                     bool may_promise) {
   // In a closed scene common directions would count the small pairs of a mixture. Form factors between surfaces, which
   // are sums of many such pairs, then hardly reach a goal. So the alternative there is lines for all pairs.
-  if (is_open && is_large)
-    return (double(face_count) * kSecondsOfFaceBesideRays +
-            (pairs.large + pairs.small_of_parts) * kSecondsOfPairBesideRays) /
-           kWorth;
+  if (is_open && is_large) return secondsBesideRays(pairs, face_count) / kWorth;
   const double all = is_open ? secondsInOpen(pairs) : secondsInClosed(pairs);
   return all > kSoon ? all / (may_promise ? kPromiseWorth : kWorthBesideRays) : 0;
 }

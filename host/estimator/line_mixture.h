@@ -11,6 +11,7 @@
 #include "engines/lattice_options.h"
 #include "estimator/estimate.h"
 #include "pair_lines/pair_lines.h"
+#include "sums/line_form_factors.h"
 #include "sums/pair_count.h"
 
 namespace viewpeel {
@@ -28,6 +29,7 @@ struct LineMixture {
   std::vector<uint32_t> rays{};              // of each face in a replicate, which count the other pairs; or none
 
   bool hasRays() const { return !rays.empty(); }
+  bool countsAll() const { return least_form_factor >= kAllCounted; }
 };
 
 // Returns the mixture in which common directions count the pairs that are small against the goal.
@@ -37,6 +39,8 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
 // Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
 //   In: options: goals; rays: as from planRays()
 LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays);
+// Returns the mixture in which rays count all pairs, and none has lines.    In: rays: as from planRays()
+LineMixture raysAlone(std::vector<uint32_t> rays);
 
 // Returns the share of all lines that leave the scene or end on backs.
 double shareOutside(const PairCounts& counts);
@@ -69,6 +73,12 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
 //   In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become a promise, which
 //     is worth more
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
+// Returns the processor seconds of so many rays.
+double secondsOfRays(double rays);
+// Returns whether between surfaces rays that count all pairs take less time than finding the large pairs, beside rays
+// that count the others.
+//   In: rays_alone, rays_beside: of all polygons, in all replicates
+bool paysRaysAlone(const PairNumbers& pairs, size_t face_count, double rays_alone, double rays_beside);
 // Returns false where common directions alone cannot take less time than lines for the most pairs that there can be.
 //   In: seconds: processor seconds of the directions
 bool mayPayDirectionsAlone(size_t face_count, double seconds);

@@ -254,9 +254,12 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
   const bool may_go_on =
       sums_.replicateCount() < (hasFurtherRays() ? kMostRayGrowth : kMostReplicateGrowth) * options_.replicates;
   if (!may_go_on) further_.clear();
+  is_further_ = !further_.empty();
   if (!hasCountedPairs() || !needs_directions_) return;
   is_reached_ = false;
-  if (may_go_on && double(sums_.by_id.pairs().size()) < kMostCountedPairs) further_.resize(pairs.size(), 0);
+  if (!may_go_on || double(sums_.by_id.pairs().size()) >= kMostCountedPairs) return;
+  further_.resize(pairs.size(), 0);
+  is_further_ = true;
 }
 
 // Returns an entry's error over the error that the goals allow.
@@ -271,10 +274,9 @@ bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
   const auto done_here = double(done - resumed_count_);
   double next = secondsSince(start_) / std::max(done_here, 1.0);
-  if (!further_.empty() && !needs_directions_)
-    next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
+  if (is_further_ && !needs_directions_) next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
   if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
-  return done >= options_.replicates && (options_.is_exact || further_.empty());
+  return done >= options_.replicates && (options_.is_exact || !is_further_);
 }
 
 // Returns the number of further lines in the next replicate.
@@ -302,12 +304,12 @@ size_t LineRun::replicatesAhead() const {
 void LineRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
-  if (!further_.empty()) ahead_.assign(1, lines_.count(pairs, replicate, further_));
+  if (is_further_) ahead_.assign(1, lines_.count(pairs, replicate, further_));
   else if (ahead_.empty()) {
     std::vector<LineCounts> drawn = lines_.countAhead(pairs, replicate, replicatesAhead());
     ahead_.assign(std::move_iterator(drawn.begin()), std::move_iterator(drawn.end()));
   }
-  if (!further_.empty() && hasFurtherRays()) castFurtherRays(replicate, ahead_.front());
+  if (is_further_ && hasFurtherRays()) castFurtherRays(replicate, ahead_.front());
   else addReplicate(replicate, ahead_.front());
   ahead_.pop_front();
   measureErrors();

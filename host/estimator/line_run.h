@@ -63,7 +63,8 @@ class LineRun {
   RunSums sums_;
   ErrorsInGoal errors_in_goal_;
   double largest_error_ = INFINITY;
-  // further_[k] is how many times pair k draws its planned lines in the next replicate. Empty when no pair needs more.
+  bool is_further_ = false;  // whether the next replicate is a further one, for the planned ones miss the goal
+  // further_[k] is how many times pair k draws its planned lines in that replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
   std::deque<LineCounts> ahead_;        // of the next replicates, whose lines are drawn already
   std::vector<uint32_t> further_rays_;  // by row, in how many of the next replicates it has rays, where there are rays

@@ -6,7 +6,7 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "estimator/plan_lines.h"
-#include "sums/pair_count.h"
+#include "sums/replicate_sums.h"
 
 namespace viewpeel {
 namespace {
@@ -35,23 +35,49 @@ struct Row {
   }
 };
 
+// Returns the largest share of each row that goes to one row, itself included, of at least its area. A form factor's
+// error counts from the smaller of its two surfaces.
+//   In: counts: by face; areas: by row; count_area: exchange area of a count
+std::vector<double> largestShares(const PairCounts& counts, const std::vector<uint32_t>& row_of_face,
+                                  const std::vector<double>& areas, double count_area) {
+  std::vector<double> largest(areas.size());
+  for (const PairCount& pair : mergeIds(counts, row_of_face)) {
+    if (pair.j >= kEnvironment) continue;
+    const double ways = pair.i == pair.j ? 2 : 1;
+    const uint32_t row = areas[pair.i] <= areas[pair.j] ? pair.i : pair.j;
+    largest[row] = std::max(largest[row], ways * double(pair.count) * count_area / areas[row]);
+  }
+  return largest;
+}
+
 }  // namespace
 
-std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                               const std::vector<uint32_t>& row_of_face, const EstimateOptions& options) {
+bool mayHaveRaysAlone(const EstimateOptions& options) {
+  return options.by == By::surface && options.tolerance && !options.relative;
+}
+
+PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
+                     const std::vector<uint32_t>& row_of_face, const EstimateOptions& options) {
   const size_t row_count = *std::ranges::max_element(row_of_face) + size_t{1};
   std::vector<double> areas(row_count), squares(row_count);
   for (size_t face = 0; face < row_of_face.size(); ++face) {
     areas[row_of_face[face]] += face_ids.areas[face];
     squares[row_of_face[face]] += face_ids.areas[face] * face_ids.areas[face];
   }
+  const bool may_be_alone = mayHaveRaysAlone(options);
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
   std::vector<Row> environment(row_count), leak(row_count);
+  std::vector<double> largest;
   const std::vector<bool> all_faces(row_of_face.size(), true);
   for (uint32_t replicate = 0; replicate < kPilotReplicates; ++replicate) {
     std::vector<double> left(row_count), leaked(row_count);
-    for (const PairCount& count : engine.countOutside(
-             sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate), all_faces)) {
+    const std::vector<Direction> directions =
+        sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate);
+    const bool has_pairs = may_be_alone && replicate == 0;
+    const PairCounts counts = has_pairs ? engine.count(directions) : engine.countOutside(directions, all_faces);
+    if (has_pairs) largest = largestShares(counts, row_of_face, areas, count_area);
+    for (const PairCount& count : counts) {
+      if (count.j < kEnvironment) continue;
       const uint32_t row = row_of_face[count.i];
       (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
     }
@@ -67,20 +93,32 @@ std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids&
     for (size_t row = 0; row < row_count; ++row)
       variance += (*rows)[row].variance(), binomial += (*rows)[row].binomial(raysOf(row));
   const double efficiency = variance / binomial, degrees = kPilotReplicates - 1,
-               errors_in_goal = kRayMargin * errorsInRowGoal(row_count) / std::sqrt(double(options.replicates));
+               margin = kRayMargin / std::sqrt(double(options.replicates)),
+               errors_in_goal = margin * errorsInRowGoal(row_count);
   const auto needOf = [&](const Row& of, size_t row) {
     const double expected = efficiency * of.binomial(raysOf(row)),
                  likely = (degrees * of.variance() + kBinomialDegrees * expected) / (degrees + kBinomialDegrees);
     const double error = errors_in_goal * std::sqrt(std::max(likely, expected));
     return kPilotRays * std::pow(error / options.allowedError(of.sum / kPilotReplicates), 1 / kRayRate);
   };
-  std::vector<double> needs(row_count);
-  for (size_t row = 0; row < row_count; ++row)
-    needs[row] = std::min(double(kMostRays), std::max(needOf(environment[row], row), needOf(leak[row], row)));
-  const double least = kLeastShare * *std::ranges::max_element(needs);
-  std::vector<uint32_t> rays;
-  for (const uint32_t row : row_of_face) rays.push_back(RayEngine::usualRays(std::max(least, needs[row])));
-  return rays;
+  // Errors of form factors between surfaces are taken to be those of independent rays.
+  const auto needOfPairs = [&](size_t row) {
+    const double share = std::min(0.5, (largest[row] * raysOf(row) + 0.5) / (raysOf(row) + 1)),
+                 error = margin * kErrorsInGoal * std::sqrt(share * (1 - share) / raysOf(row));
+    return kPilotRays * std::pow(error / *options.tolerance, 2);
+  };
+  const auto raysOfFaces = [&](const std::vector<double>& needs, double least_share) {
+    const double least = least_share * *std::ranges::max_element(needs);
+    std::vector<uint32_t> rays;
+    for (const uint32_t row : row_of_face) rays.push_back(RayEngine::usualRays(std::max(least, needs[row])));
+    return rays;
+  };
+  std::vector<double> outside(row_count), alone(row_count);
+  for (size_t row = 0; row < row_count; ++row) {
+    outside[row] = std::min(double(kMostRays), std::max(needOf(environment[row], row), needOf(leak[row], row)));
+    if (may_be_alone) alone[row] = std::min(double(kMostRays), std::max(outside[row], needOfPairs(row)));
+  }
+  return {raysOfFaces(outside, kLeastShare), may_be_alone ? raysOfFaces(alone, 0) : std::vector<uint32_t>()};
 }
 
 }  // namespace viewpeel

@@ -20,13 +20,22 @@ constexpr uint32_t kPilotRays = 32, kPilotReplicates = 8;
 // exceeded in 6 and 9 of 100 runs of a city of 2,892 triangles, at 0.1 and 0.03.
 constexpr double kRayMargin = 1.15;
 
-// Returns how many rays each face has in a replicate, so that most rows have their environment and leak within the
-// goals.
+// PlannedRays are numbers of rays in a replicate, uint32_t[faces] as RayEngine::setRays() takes them.
+struct PlannedRays {
+  std::vector<uint32_t> outside;  // so that most rows have their environment and leak within the goals
+  // So that form factors between surfaces are, too, if rays count all pairs. Empty unless mayHaveRaysAlone().
+  std::vector<uint32_t> alone;
+};
+
+// Returns whether rays may count all pairs: the goal is a tolerance between surfaces, which are sums of many pairs.
+bool mayHaveRaysAlone(const EstimateOptions& options);
+
+// Returns how many rays each face has in a replicate.
 //   In: engine: counts by face, all faces with equal numbers of rays; row_of_face: uint32_t[faces], the row of the
 //     result; options: goals, replicates, seed
-//   Out: uint32_t[faces], as RayEngine::setRays() takes them; a function of scene and seed
+//   Out: a function of scene and seed
 //   Error: the pilot is rough, so that some rows need more replicates.
-std::vector<uint32_t> planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                               const std::vector<uint32_t>& row_of_face, const EstimateOptions& options);
+PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
+                     const std::vector<uint32_t>& row_of_face, const EstimateOptions& options);
 
 }  // namespace viewpeel

@@ -1,5 +1,6 @@
-// This file decides whether common directions alone count the form factors between surfaces. A surface of many polygons
-// meets many lines of every direction, so that it may need fewer directions than there are pairs of polygons to find.
+// This file decides whether common directions alone count the form factors between surfaces, or rays alone. A surface
+// of many polygons meets many lines of every direction, so that it may need fewer directions than there are pairs of
+// polygons to find. A small surface, such as a sensor in a city, needs fewer rays of its own than directions.
 
 #include "estimator/plan_lines.h"
 #include "run/run_state.h"
@@ -14,6 +15,8 @@ constexpr double kSecondsOfGroup = 1e-4, kSecondsOfPolygon = 2e-8, kSecondsOfPoi
 // The number of directions that the planner's first pilot counts. It is counted only where lines may take at least
 // kPilotsInLines times as long.
 constexpr double kPilotDirectionsInAll = 256, kPilotsInLines = 10;
+// A pilot of rays is cast only where the directions take at least this multiple of its time.
+constexpr double kRayPilotsInDirections = 2;
 
 DirectionCosts costsOf(const Scene& scene, Sampling sampling) {
   return {kSecondsOfGroup + double(scene.polygons.size()) * kSecondsOfPolygon,
@@ -24,7 +27,8 @@ DirectionCosts costsOf(const Scene& scene, Sampling sampling) {
 
 // Decides whether common directions alone count, in an estimate between surfaces. The decision depends on the scene and
 // the seed, not on measured times.
-//   Out: why pairs have no lines; then plan_between_surfaces is set. Empty where lines are drawn.
+//   Out: why pairs have no lines; then plan_between_surfaces is set. Empty where rays alone count, for which
+//     line_mixture is set then, or where lines are drawn.
 std::string FormFactorRun::State::takeDirectionsAlone() {
   if (!setup.mayCountSurfaces()) return "";
   Lattices lattices = setup.lattices();
@@ -38,6 +42,11 @@ std::string FormFactorRun::State::takeDirectionsAlone() {
   *options.tolerance /= kErrorsInGoal;
   Plan found = planEstimate(setup.scene(), setup.ids(), options, lattices, most);
   if (!found.engine) return "";
+  if (mayHaveRays() && found.seconds > kRayPilotsInDirections * secondsOfRays(pilotRays()) &&
+      secondsOfRays(numberOfRays(plannedRays().alone)) < found.seconds) {
+    countAlongRays(raysAlone(plannedRays().alone));
+    return "";
+  }
   found.seconds /= setup.request().threads ? setup.request().threads : double(threadCount());
   plan_between_surfaces = std::move(found);
   if (no_promise.empty())

@@ -59,7 +59,7 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (resumed) {
     const double least = resumed->sums.lines->leastFormFactor(), most = least * kMostOfCounted;
     constexpr double kRounding = 1e-9;
-    if (least > 0 && setup.mixture().least_form_factor < (1 - kRounding) * least)
+    if (least > 0 && least < kAllCounted && setup.mixture().least_form_factor < (1 - kRounding) * least)
       throw Error(
           ErrorCode::bad_usage,
           fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
@@ -70,7 +70,7 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     return "";
   }
   if (std::string why = takeDirectionsAlone(); !why.empty()) return why;
-  if (!setup.plansWhichPairs()) return "";
+  if (line_mixture.countsAll() || !setup.plansWhichPairs()) return "";
   const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
   if (!may_have_rays && !may_count) return "";
   const uint32_t replicates = setup.estimate().replicates;
@@ -120,25 +120,53 @@ double FormFactorRun::State::pilotRays() const {
   return double(setup.scene().polygons.size()) * kPilotRays * kPilotReplicates;
 }
 
-// Decides whether rays see what leaves the scene, and count the small pairs.
+// Returns the numbers of rays that polygons need. They are planned once, with ray_engine.
+const PlannedRays& FormFactorRun::State::plannedRays() {
+  if (planned_rays) return *planned_rays;
+  const Ids& face_ids = setup.faceIds();
+  std::vector<uint32_t> rows = face_ids.surface;
+  if (setup.estimate().by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
+  ray_engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
+  planned_rays = planRays(*ray_engine, setup.scene(), face_ids, rows, setup.estimate());
+  return *planned_rays;
+}
+
+// Returns the number of rays of all polygons, in all replicates.
+double FormFactorRun::State::numberOfRays(const std::vector<uint32_t>& of_faces) const {
+  double all = 0;
+  for (const uint32_t face : setup.faceIds().of_polygon) all += of_faces[face];
+  return all * setup.estimate().replicates;
+}
+
+// Decides whether rays see what leaves the scene, and count the small pairs or all of them.
 //   Out: whether they do; then line_mixture and its engine are set
 bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
-  if (!paysRays(numbers, pilotRays(), mayPromise())) return false;
-  const Ids& face_ids = setup.faceIds();
-  const EstimateOptions& options = setup.estimate();
-  auto engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
-  std::vector<uint32_t> rows = face_ids.surface;
-  if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
-  std::vector<uint32_t> of_faces = planRays(*engine, setup.scene(), face_ids, rows, options);
-  double all = 0;
-  for (const uint32_t face : face_ids.of_polygon) all += of_faces[face];
-  if (!paysRays(numbers, all * options.replicates, mayPromise())) return false;
+  const bool may_be_alone = mayHaveRaysAlone(setup.estimate());
+  PairNumbers none_large = numbers;  // as if rays counted all pairs
+  if (may_be_alone) none_large.large = none_large.small_of_parts = 0;
+  if (!paysRays(none_large, pilotRays(), mayPromise())) return false;
+  const PlannedRays& planned = plannedRays();
+  const double beside = numberOfRays(planned.outside);
+  const bool pays_mixture = paysRays(numbers, beside, mayPromise());
+  if (may_be_alone) {
+    const double alone = numberOfRays(planned.alone);
+    if (paysRays(none_large, alone, mayPromise()) &&
+        (!pays_mixture || paysRaysAlone(numbers, setup.faceIds().count(), alone, beside))) {
+      countAlongRays(raysAlone(planned.alone));
+      return true;
+    }
+  }
+  if (pays_mixture) countAlongRays(rayMixtureFor(setup.estimate(), planned.outside));
+  return pays_mixture;
+}
+
+// Plans to count along rays of plannedRays().
+void FormFactorRun::State::countAlongRays(LineMixture mixture) {
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");
-  line_mixture = rayMixtureFor(options, std::move(of_faces));
-  engine->setRays(line_mixture.rays);
-  useRays(std::move(engine));
-  return true;
+  line_mixture = std::move(mixture);
+  ray_engine->setRays(line_mixture.rays);
+  useRays(std::move(ray_engine));
 }
 
 // Plans to count along rays.    In: engine: with the rays of line_mixture

@@ -123,7 +123,7 @@ std::string FormFactorRun::State::makePairLines() {
 // Finds the pairs that get lines.    Out: false where there are too many of them
 bool FormFactorRun::State::findLinePairs() {
   const auto begun = Clock::now();
-  line_pairs = pair_lines->find(line_mixture.least_form_factor);
+  line_pairs = line_mixture.countsAll() ? std::vector<LinePair>() : pair_lines->find(line_mixture.least_form_factor);
   if (line_pairs.size() > kLargeList) returnFreedMemory();  // threads had lists of their own
   finding_seconds = secondsSince(begun);
   if (pair_lines->hasTooMany()) requireNoPairLines();

@@ -5,6 +5,7 @@
 // It counts in exactly one of four ways: EstimateRun, GuaranteeRun, LineRun or LineGuarantee.
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -17,6 +18,7 @@
 #include "estimator/guarantee_run.h"
 #include "estimator/line_guarantee.h"
 #include "estimator/line_run.h"
+#include "estimator/plan_rays.h"
 #include "io/checkpoint.h"
 #include "rays/ray_engine.h"
 #include "run/setup.h"
@@ -48,6 +50,8 @@ struct FormFactorRun::State {
   std::optional<PairNumbers> pair_numbers;  // estimated
   LineMixture line_mixture{};               // pairs with lines, and directions that count the others
   RayEngine* rays = nullptr;                // the plan's engine, where it counts along rays
+  std::unique_ptr<RayEngine> ray_engine;    // until the plan has it
+  std::optional<PlannedRays> planned_rays;  // for ray_engine
   std::vector<LinePair> line_pairs;         // as found, then with their planned lines
   double finding_seconds = 0;               // that it took to find them
   std::optional<LineRun> line_run;
@@ -120,7 +124,10 @@ struct FormFactorRun::State {
   bool mayHaveRays() const;
   bool mayPromise() const;
   double pilotRays() const;
+  const PlannedRays& plannedRays();
+  double numberOfRays(const std::vector<uint32_t>& of_faces) const;
   bool takeRays(const PairNumbers& numbers);
+  void countAlongRays(LineMixture mixture);
   void useRays(std::unique_ptr<RayEngine> engine);
   bool fitMixture(LineMixture mixture, LineWork& work);
   void makeLineEngine();

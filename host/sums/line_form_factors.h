@@ -10,6 +10,10 @@ namespace viewpeel {
 // for similar pairs that no line met. With a smaller multiple row sums would be too small.
 constexpr double kMostOfCounted = 3;
 
+// No unoccluded form factor from the smaller face exceeds this one. Where pairs below it have no lines, all pairs are
+// counted.
+constexpr double kAllCounted = 1;
+
 // A row of an open scene that lacks more than this number of standard errors surely sees the environment.
 constexpr double kBeyondDoubt = 3;
 

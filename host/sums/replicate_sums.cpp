@@ -166,6 +166,15 @@ double unmetBound(double area, double count_area, double directions) {
   return 2 * std::log(20.0) * std::max(1.0, count_area / area) / directions;
 }
 
+// Let the polygons k of row i have n_k rays each. The chance that none of them ends on row j is at most
+// exp(-sum_k n_k F_kj), and A_i F_ij = sum_k A_k F_kj is at most max_k(A_k / n_k) times this sum.
+double ReplicateSums::unmetBoundOfRays(double directions) const {
+  double largest = 0;
+  for (uint32_t i = 0; i < ids_.count(); ++i)
+    if (ids_.isRequested(i)) largest = std::max(largest, ray_areas_[i] / ids_.areas[i]);
+  return std::log(20.0) * largest / directions;
+}
+
 PairCounts mergeIds(const PairCounts& counts, const std::vector<uint32_t>& id_map) {
   return mergePairs(counts, id_map, [](PairCount& sum, const PairCount& count) { sum.add(count); });
 }

@@ -83,6 +83,8 @@ class ReplicateSums {
   // Returns how much the environments of rows with rays vary, over all rows: the sum of their variances over the sum of
   // those that independent rays would have. Returns 0 without rays.    In: as in formFactors
   double rayEfficiency(double measure_area, double count_area) const;
+  // Returns the bound that unmetBound() returns, of pairs that no ray met.    In: directions: of all replicates
+  double unmetBoundOfRays(double directions) const;
   // Returns the variance of a row's exchange area with the environment, if its rays were independent of each other.
   double binomialVariance(uint32_t row, double exchange, double measure_area, double count_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.

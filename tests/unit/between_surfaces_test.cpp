@@ -1,5 +1,6 @@
-// Between surfaces common directions alone may take less time than finding pairs of polygons. These tests compare such
-// a run with a finer one by lines, with other numbers of threads, and with one that was stopped and resumed.
+// Between surfaces common directions or rays alone may take less time than finding pairs of polygons. These tests
+// compare such runs with finer ones by lines, with other numbers of threads, and with runs that were stopped and
+// resumed.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -8,6 +9,7 @@
 
 #include <viewpeel/compute.h>
 #include "scenes/generate.h"
+#include "scenes/triangulated_city.h"
 #include "tests/support/same_bits.h"
 
 namespace viewpeel {
@@ -21,6 +23,26 @@ Scene office(bool is_open) {
   if (is_open)
     std::erase_if(scene.faces, [&](const InputFace& face) { return scene.surface_names[face.surface] == "ceiling"; });
   return buildScene(scene);
+}
+
+// A city of 3,000 triangles, with a sensor of 2 cm over its roofs, on which very few common lines would end.
+Scene cityWithSensor() {
+  InputScene scene = bench::triangulatedCity(3'000).scene;
+  const auto sensor = static_cast<uint32_t>(scene.surface_names.size());
+  scene.surface_names.insert(scene.surface_names.end(), {"sensor", "sensor_top"});
+  const glm::dvec3 p(50, 50, 90), q(50.02, 50, 90), r(50, 50.02, 90);
+  scene.faces.push_back({{p, r, q}, sensor});
+  scene.faces.push_back({{p, q, r}, sensor + 1});
+  return buildScene(scene);
+}
+
+// Returns the largest difference of form factors, from the smaller surface of each pair.
+double largestDifference(const FormFactors& found, const FormFactors& truth) {
+  double largest = 0;
+  for (const FormFactors::Entry& entry : truth.entries())
+    largest = std::max(largest, std::abs(found.exchangeArea(entry.i, entry.j).value - entry.exchange_area.value) /
+                                    truth.ids().smallerArea(entry.i, entry.j));
+  return largest;
 }
 
 Request requestFor(double tolerance) {
@@ -43,13 +65,7 @@ TEST(BetweenSurfaces, ErrorsKeepToTheTolerance) {
     EXPECT_TRUE(found.goal_reached);
     Request fine = requestFor(kGoal / 30);
     fine.pair_lines = true;
-    const FormFactors truth = computeFormFactors(scene, fine).form_factors;
-    const Ids& ids = truth.ids();
-    double largest = 0;
-    for (const FormFactors::Entry& entry : truth.entries())
-      largest = std::max(largest,
-                         std::abs(found.form_factors.exchangeArea(entry.i, entry.j).value - entry.exchange_area.value) /
-                             ids.smallerArea(entry.i, entry.j));
+    const double largest = largestDifference(found.form_factors, computeFormFactors(scene, fine).form_factors);
     EXPECT_LE(largest, kGoal);
     EXPECT_GT(largest, kGoal / 30);  // no more directions than the goal asks for
   }
@@ -79,6 +95,58 @@ TEST(BetweenSurfaces, GoesOnFromACheckpoint) {
   EXPECT_TRUE(second.plan().aims_at_largest_error);
   while (!second.isDone()) second.step();
   expectSameBits(second.result().form_factors, whole.result().form_factors);
+  std::filesystem::remove(file);
+}
+
+TEST(BetweenSurfaces, ErrorsOfRaysAloneKeepToTheTolerance) {
+  const Scene scene = cityWithSensor();
+  const Result found = computeFormFactors(scene, requestFor(kGoal));
+  ASSERT_TRUE(found.plan.pair_lines);
+  EXPECT_EQ(found.plan.pair_lines->least_form_factor, 1);
+  EXPECT_TRUE(found.plan.pair_lines->has_rays);
+  EXPECT_EQ(found.lines, 0u);
+  EXPECT_TRUE(found.goal_reached);
+  Request fine = requestFor(kGoal / 30);
+  fine.pair_lines = true;
+  const FormFactors truth = computeFormFactors(scene, fine).form_factors;
+  const double largest = largestDifference(found.form_factors, truth);
+  EXPECT_LE(largest, kGoal);
+  EXPECT_GT(largest, kGoal / 30);  // no more rays than the goal asks for
+  // Of form factors above the bound on pairs that no ray met, one in twenty may be missing.
+  size_t large = 0, missing = 0;
+  for (const FormFactors::Entry& entry : truth.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    if (entry.exchange_area.value / truth.ids().smallerArea(entry.i, entry.j) < found.unmet_bound) continue;
+    ++large, missing += !(found.form_factors.exchangeArea(entry.i, entry.j).value > 0);
+  }
+  EXPECT_GT(large, 20u);
+  EXPECT_LE(double(missing), 0.05 * double(large));
+}
+
+TEST(BetweenSurfaces, BitsOfRaysAloneDependOnSeedsAlone) {
+  const Scene scene = cityWithSensor();
+  Request request = requestFor(kGoal);
+  const FormFactors one = computeFormFactors(scene, request).form_factors;
+  request.threads = 3;
+  expectSameBits(computeFormFactors(scene, request).form_factors, one);
+}
+
+// A finer goal than the checkpoint's has more replicates of the same rays.
+TEST(BetweenSurfaces, RaysAloneGoOnFromACheckpoint) {
+  const Scene scene = cityWithSensor();
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "rays_alone.h5";
+  FormFactorRun whole(scene, requestFor(kGoal)), second(scene, requestFor(kGoal)), finer(scene, requestFor(kGoal / 2));
+  whole.makePlan();
+  for (int replicate = 0; replicate < 3; ++replicate) whole.step();
+  whole.writeCheckpoint(file);
+  while (!whole.isDone()) whole.step();
+  second.resumeFrom(file);
+  while (!second.isDone()) second.step();
+  expectSameBits(second.result().form_factors, whole.result().form_factors);
+  finer.resumeFrom(file);
+  while (!finer.isDone()) finer.step();
+  EXPECT_TRUE(finer.result().goal_reached);
+  EXPECT_GT(finer.result().replicates, whole.result().replicates);
   std::filesystem::remove(file);
 }
 

@@ -73,6 +73,9 @@ TEST(RayMixture, PaysWhereTheGoalIsRoughAndPairsAreMany) {
   of_parts.small_of_parts = of_parts.found - of_parts.large;  // the search leaves out no pair
   EXPECT_FALSE(paysRays(of_parts, few, false));
   EXPECT_TRUE(paysRays({2e8, 2e8, 1e8, 1e6, 1e7}, 1e10, false));  // too many pairs for lines
+  // Between surfaces the large pairs of the largest city took 13 s beside rays, as long as 6.6e7 rays.
+  EXPECT_TRUE(paysRaysAlone(large, 19'994, 5e7, 1e7));
+  EXPECT_FALSE(paysRaysAlone(large, 19'994, 8e7, 1e7));
 }
 
 TEST(RayMixture, ErrorsKeepToTheToleranceAndAreWellStated) {
@@ -292,9 +295,14 @@ TEST(RayMixture, RaysGoToRowsThatErr) {
   std::vector<uint32_t> row_of_face(ids.count());
   std::iota(row_of_face.begin(), row_of_face.end(), 0);
   constexpr double kFineGoal = 0.02;
-  const auto plan = [&](const std::vector<uint32_t>& rows, double goal, uint64_t seed = 1) {
+  const auto planAll = [&](const std::vector<uint32_t>& rows, double goal, uint64_t seed, By by) {
     const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
-    return planRays(*engine, scene, ids, rows, {.replicates = kReplicates, .tolerance = goal, .seed = seed});
+    return planRays(*engine, scene, ids, rows, {.replicates = kReplicates, .tolerance = goal, .seed = seed, .by = by});
+  };
+  const auto plan = [&](const std::vector<uint32_t>& rows, double goal, uint64_t seed = 1) {
+    const PlannedRays planned = planAll(rows, goal, seed, By::polygon);
+    EXPECT_TRUE(planned.alone.empty());  // lines must count the large pairs of polygons
+    return planned.outside;
   };
   const std::vector<uint32_t> rays = plan(row_of_face, kFineGoal);
   const uint32_t least = std::ranges::min(rays), most = std::ranges::max(rays);
@@ -310,6 +318,16 @@ TEST(RayMixture, RaysGoToRowsThatErr) {
   std::vector<uint32_t> of_surface(ids.count());
   for (uint32_t face = 0; face < ids.count(); ++face) of_surface[ids.surface[face]] = by_surface[face];
   for (uint32_t face = 0; face < ids.count(); ++face) EXPECT_EQ(by_surface[face], of_surface[ids.surface[face]]);
+  // With rays alone a row has the rays of its environment at least.
+  const std::vector<uint32_t> alone = planAll(ids.surface, kFineGoal, 1, By::surface).alone;
+  const uint32_t most_of_surface = std::ranges::max(by_surface);
+  for (uint32_t face = 0; face < ids.count(); ++face) {
+    of_surface[ids.surface[face]] = alone[face];
+    if (8 * by_surface[face] > most_of_surface) {
+      EXPECT_GE(alone[face], by_surface[face]);
+    }
+  }
+  for (uint32_t face = 0; face < ids.count(); ++face) EXPECT_EQ(alone[face], of_surface[ids.surface[face]]);
 
   const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
   engine->setRays(rays);
