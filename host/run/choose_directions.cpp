@@ -17,6 +17,9 @@ constexpr double kSecondsOfGroup = 1e-4, kSecondsOfPolygon = 2e-8, kSecondsOfPoi
 constexpr double kPilotDirectionsInAll = 256, kPilotsInLines = 10;
 // A pilot of rays is cast only where the directions take at least this multiple of its time.
 constexpr double kRayPilotsInDirections = 2;
+// Rays keep a sum for each pair of polygons that they meet, 72 bytes; directions keep one for each pair of surfaces.
+// With more polygons than these, of at least 128 rays each, sums could take 2 GB or more.
+constexpr size_t kMostPolygonsOfRays = 200'000;
 
 DirectionCosts costsOf(const Scene& scene, Sampling sampling) {
   return {kSecondsOfGroup + double(scene.polygons.size()) * kSecondsOfPolygon,
@@ -42,7 +45,8 @@ std::string FormFactorRun::State::takeDirectionsAlone() {
   *options.tolerance /= kErrorsInGoal;
   Plan found = planEstimate(setup.scene(), setup.ids(), options, lattices, most);
   if (!found.engine) return "";
-  if (mayHaveRays() && found.seconds > kRayPilotsInDirections * secondsOfRays(pilotRays()) &&
+  if (mayHaveRays() && setup.scene().polygons.size() <= kMostPolygonsOfRays &&
+      found.seconds > kRayPilotsInDirections * secondsOfRays(pilotRays()) &&
       secondsOfRays(numberOfRays(plannedRays().alone)) < found.seconds) {
     countAlongRays(raysAlone(plannedRays().alone));
     return "";

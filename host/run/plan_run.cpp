@@ -115,6 +115,7 @@ std::string FormFactorRun::State::makePairLines() {
         "--sheets or --solids, or leave out --pair-lines");
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
   const std::string why = takeMixture(counts);
+  ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
   if (line_mixture.least_form_factor > 0 && with_leak) make(false);  // common directions count the leak
   return why;
