@@ -35,6 +35,21 @@ struct Row {
   }
 };
 
+// RowAreas are sums over each row's faces.
+struct RowAreas {
+  std::vector<double> areas, squares;  // of areas
+};
+
+RowAreas sumAreas(const Ids& face_ids, const std::vector<uint32_t>& row_of_face) {
+  const size_t row_count = *std::ranges::max_element(row_of_face) + size_t{1};
+  RowAreas sums{std::vector<double>(row_count), std::vector<double>(row_count)};
+  for (size_t face = 0; face < row_of_face.size(); ++face) {
+    sums.areas[row_of_face[face]] += face_ids.areas[face];
+    sums.squares[row_of_face[face]] += face_ids.areas[face] * face_ids.areas[face];
+  }
+  return sums;
+}
+
 // Returns the largest share of each row that goes to one row, itself included, of at least its area. A form factor's
 // error counts from the smaller of its two surfaces.
 //   In: counts: by face; areas: by row; count_area: exchange area of a count
@@ -56,14 +71,23 @@ bool mayHaveRaysAlone(const EstimateOptions& options) {
   return options.by == By::surface && options.tolerance && !options.relative;
 }
 
+double guessRaysAlone(const Ids& face_ids, const EstimateOptions& options) {
+  const auto [areas, squares] = sumAreas(face_ids, face_ids.surface);
+  std::vector<double> polygons(areas.size());
+  for (const uint32_t face : face_ids.of_polygon) ++polygons[face_ids.surface[face]];
+  const double of_one = 0.25 * std::pow(kRayMargin * kErrorsInGoal / *options.tolerance, 2);
+  double all = 0;
+  for (size_t row = 0; row < areas.size(); ++row)
+    all += polygons[row] * std::max(double(RayEngine::kLeastRays) * options.replicates,
+                                    of_one * squares[row] / (areas[row] * areas[row]));
+  return all;
+}
+
 PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
                      const std::vector<uint32_t>& row_of_face, const EstimateOptions& options) {
-  const size_t row_count = *std::ranges::max_element(row_of_face) + size_t{1};
-  std::vector<double> areas(row_count), squares(row_count);
-  for (size_t face = 0; face < row_of_face.size(); ++face) {
-    areas[row_of_face[face]] += face_ids.areas[face];
-    squares[row_of_face[face]] += face_ids.areas[face] * face_ids.areas[face];
-  }
+  const RowAreas sums = sumAreas(face_ids, row_of_face);
+  const std::vector<double>&areas = sums.areas, &squares = sums.squares;
+  const size_t row_count = areas.size();
   const bool may_be_alone = mayHaveRaysAlone(options);
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
   std::vector<Row> environment(row_count), leak(row_count);

@@ -15,8 +15,8 @@ constexpr double kSecondsOfGroup = 1e-4, kSecondsOfPolygon = 2e-8, kSecondsOfPoi
 // The number of directions that the planner's first pilot counts. It is counted only where lines may take at least
 // kPilotsInLines times as long.
 constexpr double kPilotDirectionsInAll = 256, kPilotsInLines = 10;
-// A pilot of rays is cast only where the directions take at least this multiple of its time.
-constexpr double kRayPilotsInDirections = 2;
+// A pilot of rays is cast only where the directions take longer than it does together with this share of the guess.
+constexpr double kLeastOfGuess = 2.0 / 3;
 // Rays keep a sum for each pair of polygons that they meet, 72 bytes; directions keep one for each pair of surfaces.
 // With more polygons than these, of at least 128 rays each, sums could take 2 GB or more.
 constexpr size_t kMostPolygonsOfRays = 200'000;
@@ -46,7 +46,7 @@ std::string FormFactorRun::State::takeDirectionsAlone() {
   Plan found = planEstimate(setup.scene(), setup.ids(), options, lattices, most);
   if (!found.engine) return "";
   if (mayHaveRays() && setup.scene().polygons.size() <= kMostPolygonsOfRays &&
-      found.seconds > kRayPilotsInDirections * secondsOfRays(pilotRays()) &&
+      secondsOfRays(pilotRays() + kLeastOfGuess * guessRaysAlone(setup.faceIds(), setup.estimate())) < found.seconds &&
       secondsOfRays(numberOfRays(plannedRays().alone)) < found.seconds) {
     countAlongRays(raysAlone(plannedRays().alone));
     return "";

@@ -328,6 +328,10 @@ TEST(RayMixture, RaysGoToRowsThatErr) {
     }
   }
   for (uint32_t face = 0; face < ids.count(); ++face) EXPECT_EQ(alone[face], of_surface[ids.surface[face]]);
+  // Numbers are rounded up by a third at most, and F (1 - F) is above 1/8, half of what the guess takes, for most rows.
+  const double guess = guessRaysAlone(ids, {.replicates = kReplicates, .tolerance = kFineGoal, .by = By::surface});
+  EXPECT_GE(guess, 0.75 * kReplicates * sumOf(alone));
+  EXPECT_LE(guess, 2 * kReplicates * sumOf(alone));
 
   const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
   engine->setRays(rays);
