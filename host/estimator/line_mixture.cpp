@@ -72,11 +72,9 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
 }
 
 LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays) {
-  const uint32_t most = std::ranges::max(rays);
-  return {.least_form_factor = options.leastAllowedError() / kMostOfCounted,
-          .directions = most,
-          .resolution = LatticeOptions{}.resolution,
-          .rays = std::move(rays)};
+  LineMixture mixture = raysAlone(std::move(rays));
+  mixture.least_form_factor = options.leastAllowedError() / kMostOfCounted;
+  return mixture;
 }
 
 LineMixture raysAlone(std::vector<uint32_t> rays) {

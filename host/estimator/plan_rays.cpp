@@ -50,8 +50,8 @@ RowAreas sumAreas(const Ids& face_ids, const std::vector<uint32_t>& row_of_face)
   return sums;
 }
 
-// Returns the largest share of each row that goes to one row, itself included, of at least its area. A form factor's
-// error counts from the smaller of its two surfaces.
+// Returns the largest form factor of each row to a row of at least its area, or to itself. Smaller rows do not count,
+// because the error of a form factor counts from the smaller of its two surfaces.
 //   In: counts: by face; areas: by row; count_area: exchange area of a count
 std::vector<double> largestShares(const PairCounts& counts, const std::vector<uint32_t>& row_of_face,
                                   const std::vector<double>& areas, double count_area) {

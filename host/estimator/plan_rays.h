@@ -23,7 +23,8 @@ constexpr double kRayMargin = 1.15;
 // PlannedRays are numbers of rays in a replicate, uint32_t[faces] as RayEngine::setRays() takes them.
 struct PlannedRays {
   std::vector<uint32_t> outside;  // so that most rows have their environment and leak within the goals
-  // So that form factors between surfaces are, too, if rays count all pairs. Empty unless mayHaveRaysAlone().
+  // So that form factors between surfaces are within the goals, too, where rays count all pairs. Empty unless
+  // mayHaveRaysAlone().
   std::vector<uint32_t> alone;
 };
 
@@ -32,7 +33,8 @@ bool mayHaveRaysAlone(const EstimateOptions& options);
 
 // Guesses how many rays PlannedRays::alone has of all polygons in all replicates, without a pilot: the largest form
 // factor of each surface is taken to be a half, and environments to need no more rays.
-//   In: options: that mayHaveRaysAlone()    Error: 1 to 1.5 times the number planned, in three cities at 0.03 to 0.003
+//   In: options: mayHaveRaysAlone() is true of them
+//   Error: in three cities at 0.03 to 0.003 the guess was 1 to 1.5 times the number then planned
 double guessRaysAlone(const Ids& face_ids, const EstimateOptions& options);
 
 // Returns how many rays each face has in a replicate.
