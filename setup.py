@@ -20,7 +20,7 @@ ROOT = Path(__file__).parent.resolve()
 def configure(tree, *settings):
     parts = [f"-DVIEWPEEL_BUILD_{part}=OFF" for part in ("PROGRAM", "TESTS", "BENCH", "REFERENCE", "C")]
     subprocess.run(
-        ["cmake", "-S", ROOT, "-B", tree, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DVIEWPEEL_INSTALL=OFF",
+        ["cmake", "-S", ROOT, "-B", tree, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DVIEWPEEL_UNITE_FILES=ON", "-DVIEWPEEL_INSTALL=OFF",
          "-DVIEWPEEL_BUILD_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}", *parts, *settings],
         check=True)  # fmt: skip
 

@@ -10,7 +10,7 @@
 namespace viewpeel::program {
 namespace {
 
-std::string kept, kept_name;
+std::string kept_line, kept_program_name;
 std::vector<GivenOption> kept_options;
 
 bool isText(const CLI::Option& option) {
@@ -33,14 +33,14 @@ std::string quote(std::string_view word) {
 }  // namespace
 
 void keepCommandLine(int argc, const char* const* argv) {
-  kept = "viewpeel";
-  for (int k = 1; k < argc; ++k) kept.append(" ").append(quote(argv[k]));
+  kept_line = "viewpeel";
+  for (int k = 1; k < argc; ++k) kept_line.append(" ").append(quote(argv[k]));
 }
 
 void keepOptions(const CLI::App& app) {
   if (app.get_subcommands().empty()) return;
   const CLI::App& command = *app.get_subcommands().front();
-  kept_name = command.get_name();
+  kept_program_name = command.get_name();
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
     const bool is_flag = option->get_expected_max() == 0;
@@ -51,8 +51,8 @@ void keepOptions(const CLI::App& app) {
   }
 }
 
-std::string commandLine() { return kept; }
-const std::string& commandName() { return kept_name; }
+std::string commandLine() { return kept_line; }
+const std::string& commandName() { return kept_program_name; }
 const std::vector<GivenOption>& givenOptions() { return kept_options; }
 
 }  // namespace viewpeel::program

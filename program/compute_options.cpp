@@ -23,7 +23,7 @@ std::vector<std::string> olderFilesOf(const std::vector<std::string>& outputs) {
   return files;
 }
 
-std::vector<PlannedFile> filesOf(const ComputeOptions& options) {
+std::vector<PlannedFile> plannedFiles(const ComputeOptions& options) {
   std::vector<std::string> names;
   for (const std::string& output : options.output.files)
     for (const std::filesystem::path& file : viewpeel::filesOf(output, options.request.balance))
@@ -96,7 +96,7 @@ std::function<std::shared_ptr<ComputeOptions>()> addComputeOptions(CLI::App* com
     requireAgreement(*options);
     if (options->only_environment) checkOnlyEnvironment(command, *options);
     if (options->row_blocks) checkRowBlocks(command, *options);
-    options->files = filesOf(*options);
+    options->files = plannedFiles(*options);
     return options;
   };
 }

@@ -18,7 +18,7 @@ Json valueOf(const std::string& text) {
   return number.is_number() ? number : Json(text);
 }
 
-Json jsonOf(const GivenOption& option) {
+Json givenJson(const GivenOption& option) {
   if (option.is_flag) return true;
   Json values = Json::array();
   for (const std::string& value : option.values) values.push_back(option.is_text ? Json(value) : valueOf(value));
@@ -31,7 +31,7 @@ std::string textOf(const Json& json) { return json.dump(2, ' ', false, Json::err
 
 Json startReport() {
   Json options = Json::object();
-  for (const GivenOption& option : givenOptions()) options[option.name] = jsonOf(option);
+  for (const GivenOption& option : givenOptions()) options[option.name] = givenJson(option);
   return {{"version", VIEWPEEL_VERSION},
           {"command", commandName()},
           {"command_line", commandLine()},

@@ -11,7 +11,7 @@ namespace {
 
 // Escapes the characters that roff would interpret: backslashes, hyphens and quotes. A dot is escaped at the start of
 // every word, since wrapping may put the word at the start of a line.
-std::string escape(const std::string& text) {
+std::string escapeRoff(const std::string& text) {
   std::string escaped;
   for (char c : text)
     if (c == '.' && (escaped.empty() || escaped.back() == ' ')) escaped += "\\&.";
@@ -22,19 +22,19 @@ std::string escape(const std::string& text) {
   return escaped;
 }
 
-std::string paragraph(const std::string& text) { return wrap(escape(text), 0, 0); }
+std::string paragraph(const std::string& text) { return wrap(escapeRoff(text), 0, 0); }
 
 // Returns an entry of a list: terms in bold, their value in italics, and a text.
 std::string entry(const std::vector<std::string>& terms, const std::string& value, const std::string& text) {
   std::string line;
-  for (const std::string& term : terms) line += (line.empty() ? "\\fB" : ", \\fB") + escape(term) + "\\fR";
-  if (!value.empty()) line += " \\fI" + escape(value) + "\\fR";
+  for (const std::string& term : terms) line += (line.empty() ? "\\fB" : ", \\fB") + escapeRoff(term) + "\\fR";
+  if (!value.empty()) line += " \\fI" + escapeRoff(value) + "\\fR";
   return fmt::format(".TP\n{}\n{}\n", line, paragraph(text));
 }
 
-std::string describe(const CommandEntry& command) {
+std::string describeInManual(const CommandEntry& command) {
   std::string text = fmt::format(".SS \"viewpeel {}\"\n{}.\n.PP\n.B {}\n", command.name, paragraph(command.text),
-                                 escape(command.usage()));
+                                 escapeRoff(command.usage()));
   for (const OptionEntry& positional : command.positionals) text += entry(positional.names, "", positional.text);
   for (const OptionGroup& group : command.groups) {
     text += fmt::format(".PP\n.I {}\n", group.title);
@@ -77,7 +77,7 @@ constexpr Row kStatuses[] = {
     {"129, 130, 143", "Stopped by SIGHUP, SIGINT, SIGTERM; the results so far are written."},
 };
 
-constexpr Row kEnvironment[] = {
+constexpr Row kEnvironmentVariables[] = {
     {"VIEWPEEL_DEVICE", "As --device, which overrides it."},
     {"VIEWPEEL_VALIDATION", "If 1, the Vulkan validation layer is on; a message of it is an error."},
 };
@@ -89,15 +89,15 @@ std::string manPage(const CommandEntry& program) {
       fmt::format(".TH VIEWPEEL 1 \"{}\" \"viewpeel {}\" \"User Commands\"\n", VIEWPEEL_DATE, VIEWPEEL_VERSION);
   text += ".SH NAME\nviewpeel \\- form factors of polygonal scenes with occlusion, with a stated error\n";
   text += ".SH SYNOPSIS\n";
-  for (const CommandEntry& command : program.commands) text += fmt::format(".B {}\n.br\n", escape(command.usage()));
+  for (const CommandEntry& command : program.commands) text += fmt::format(".B {}\n.br\n", escapeRoff(command.usage()));
   text += ".B viewpeel \\-\\-help | \\-\\-version\n";
   text += kDescription;
   text += ".SH COMMANDS\n";
-  for (const CommandEntry& command : program.commands) text += describe(command);
+  for (const CommandEntry& command : program.commands) text += describeInManual(command);
   text += ".SH \"EXIT STATUS\"\n";
   for (const auto& [status, meaning] : kStatuses) text += entry({status}, "", meaning);
   text += ".SH ENVIRONMENT\n";
-  for (const auto& [variable, effect] : kEnvironment) text += entry({variable}, "", effect);
+  for (const auto& [variable, effect] : kEnvironmentVariables) text += entry({variable}, "", effect);
   text += ".SH EXAMPLES\n";
   text += exemplify(program.name);
   for (const CommandEntry& command : program.commands) text += exemplify(command.name);

@@ -21,7 +21,7 @@
 namespace viewpeel::program {
 namespace {
 
-constexpr size_t kMostRows = 20;
+constexpr size_t kMostEnvironmentRows = 20;
 // All pairs of n polygons take about the time of this many rays, times n^2: in cities of 1,000 to 6,400 triangles a
 // tenth of them see each other, each of which takes as long as seven rays.
 constexpr double kRaysOfPairs = 0.4;
@@ -29,14 +29,14 @@ constexpr double kRaysOfPairs = 0.4;
 constexpr double kNoTolerance = 1e-300;
 // Sky and ground are split to the standard error that the form factors reached, but not below this one. Where form
 // factors are exact, their standard error of 0 would otherwise ask for directions without end.
-constexpr double kLeastTolerance = 1e-4;
+constexpr double kLeastSpread = 1e-4;
 
 std::string describeRows(const EnvironmentParts& parts, bool has_up) {
   const Ids& ids = parts.ids;
   std::vector<uint32_t> order(ids.count());
   std::iota(order.begin(), order.end(), 0U);
   std::ranges::stable_sort(order, std::greater(), [&](uint32_t id) { return parts.all[id].value; });
-  order.resize(std::min(order.size(), kMostRows));
+  order.resize(std::min(order.size(), kMostEnvironmentRows));
   size_t width = 4;
   for (const uint32_t id : order) width = std::max(width, ids.names[id].size());
   std::string text = fmt::format("largest form factors to the environment\n  {:<{}}  form factor  standard error{}\n",
@@ -198,8 +198,7 @@ std::optional<EnvironmentParts> splitEnvironmentOf(const ComputeOptions& options
   EnvironmentRequest request = environmentRequestOf(options);
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);
   if (guarantee) request.tolerance = guarantee->epsilon;
-  else if (request.tolerance == kNoTolerance)
-    request.tolerance = std::max(result.largest_standard_error, kLeastTolerance);
+  else if (request.tolerance == kNoTolerance) request.tolerance = std::max(result.largest_standard_error, kLeastSpread);
   request.whole_environment = environmentOf(result.form_factors);
   EnvironmentParts parts = measureEnvironment(scene, request, observer);
   if (!parts.is_reached)

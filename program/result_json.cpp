@@ -25,7 +25,7 @@ const char* nameOf(EngineKind kind) {
   return "";
 }
 
-Json jsonOf(const BalancedFormFactors& balanced) {
+Json balancedJson(const BalancedFormFactors& balanced) {
   const std::vector<std::string>& names = balanced.form_factors.ids().names;
   return {{"largest", measureClosure(balanced.form_factors).largest_error},
           {"steps", balanced.steps},
@@ -36,7 +36,7 @@ Json jsonOf(const BalancedFormFactors& balanced) {
           {"to", names[balanced.to]}};
 }
 
-Json jsonOf(const Work& work) {
+Json workJson(const Work& work) {
   Json seconds = Json::object();
   for (const auto& [pass, time_s] : work.pass_seconds) seconds[pass] = time_s;
   return {{"directions", work.directions},
@@ -57,7 +57,7 @@ Json jsonOf(const Work& work) {
           {"pass_seconds", std::move(seconds)}};
 }
 
-Json jsonOf(const GuaranteeFigures& g) {
+Json guaranteeJson(const GuaranteeFigures& g) {
   return {{"epsilon", g.epsilon},
           {"delta", g.delta},
           {"bounds", g.bounds},
@@ -71,7 +71,7 @@ Json jsonOf(const GuaranteeFigures& g) {
           {"most_seconds", g.most_seconds}};
 }
 
-Json jsonOf(const LineGuaranteeFigures& g) {
+Json guaranteeJson(const LineGuaranteeFigures& g) {
   return {{"epsilon", g.epsilon},
           {"delta", g.delta},
           {"exact", g.exact},
@@ -115,8 +115,8 @@ Json jsonOf(const PlanSummary& plan) {
   if (const auto& lines = plan.pair_lines)
     json["pair_lines"] = {{"clear", lines->clear},       {"partial", lines->partial}, {"lines", lines->lines},
                           {"blockers", lines->blockers}, {"rays", lines->has_rays},   {"plan_seconds", lines->seconds}};
-  if (plan.guarantee) json["guarantee"] = jsonOf(*plan.guarantee);
-  if (plan.line_guarantee) json["guarantee"] = jsonOf(*plan.line_guarantee);
+  if (plan.guarantee) json["guarantee"] = guaranteeJson(*plan.guarantee);
+  if (plan.line_guarantee) json["guarantee"] = guaranteeJson(*plan.line_guarantee);
   return json;
 }
 
@@ -201,8 +201,8 @@ void addResult(Json& report, const Result& result) {
   if (!result.plan.no_pair_lines.empty()) report["no_pair_lines"] = result.plan.no_pair_lines;
   report["goal_reached"] = result.goal_reached;
   // Version 0.1 used the name `closed`.
-  if (result.balanced) report["balanced"] = report["closed"] = jsonOf(*result.balanced);
-  if (result.work) report["work"] = jsonOf(*result.work);
+  if (result.balanced) report["balanced"] = report["closed"] = balancedJson(*result.balanced);
+  if (result.work) report["work"] = workJson(*result.work);
 }
 
 void addHeat(Json& report, const HeatSolution& solution, By by) {

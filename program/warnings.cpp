@@ -15,13 +15,13 @@ bool is_silent = false;
 constexpr const char *kRed = "\033[1;31m", *kYellow = "\033[1;33m", *kPlain = "\033[0m";
 
 // Prints a line by fputs, for fmt::print throws where stderr cannot be written.
-void print(const char* colour, const std::string& word, std::string text) {
+void print(const char* colour, const std::string& lead, std::string text) {
   if (is_silent) return;
   for (char& c : text)
     if (static_cast<unsigned char>(c) < 32 || c == 127) c = '?';
   const bool is_coloured = isColoured();
   std::fputs(
-      fmt::format("{}viewpeel: {}{}{}\n", is_coloured ? colour : "", word, is_coloured ? kPlain : "", text).c_str(),
+      fmt::format("{}viewpeel: {}{}{}\n", is_coloured ? colour : "", lead, is_coloured ? kPlain : "", text).c_str(),
       stderr);
 }
 

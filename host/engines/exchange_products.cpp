@@ -13,7 +13,7 @@ namespace viewpeel {
 namespace {
 
 constexpr int kFactorBits = 52;
-constexpr size_t kMostChunk = 16;  // directions that a thread takes at once
+constexpr size_t kMostProductsChunk = 16;  // directions that a thread takes at once
 
 // Returns the power of two by which a column's factors become whole numbers below 2^kFactorBits.
 int exponentOf(const std::vector<double>& factors, size_t columns, size_t column) {
@@ -127,7 +127,7 @@ std::vector<double> ExchangeProducts::multiply(std::span<const Direction> direct
 ExchangeProducts::Sums ExchangeProducts::sum(std::span<const Direction> directions, std::span<const int64_t> factors,
                                              size_t columns, bool counts_outside) {
   for (const auto& worker : workers_) worker->start(shares_, factors, columns, counts_outside);
-  const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostChunk);
+  const size_t chunk = std::clamp<size_t>(directions.size() / (8 * workers_.size()), 1, kMostProductsChunk);
   // Progress is shown as if others that share the directions counted as fast as this rank.
   const auto onBatch = [&](uint64_t done) {
     options_.on_batch(directions_of_product_ ? done * directions_of_product_ / directions.size() : done);

@@ -13,7 +13,7 @@ namespace viewpeel {
 namespace {
 
 constexpr uint64_t kFirstPlaces = 1024;
-constexpr size_t kAhead = 8;  // places are fetched from memory this many additions ahead
+constexpr size_t kAdditionsAhead = 8;  // places are fetched from memory this many additions ahead
 
 uint64_t denseWords(uint32_t id_count, bool counts_blocked) {
   return device_data::counterCount(id_count) * (counts_blocked ? 2 : 1);
@@ -90,10 +90,11 @@ void SharedPairs::add(uint32_t part_index, const Addition* additions, size_t cou
   const std::lock_guard lock(part.mutex);
   makeRoom(part, count);
   const uint64_t places = part.words.size() / stride_;
-  for (size_t k = 0; k < std::min(kAhead, count); ++k)
+  for (size_t k = 0; k < std::min(kAdditionsAhead, count); ++k)
     __builtin_prefetch(&part.words[placeOf(additions[k].key, places)], 1);
   for (size_t k = 0; k < count; ++k) {
-    if (k + kAhead < count) __builtin_prefetch(&part.words[placeOf(additions[k + kAhead].key, places)], 1);
+    if (k + kAdditionsAhead < count)
+      __builtin_prefetch(&part.words[placeOf(additions[k + kAdditionsAhead].key, places)], 1);
     find(part, additions[k].key)[additions[k].weight & 1] += additions[k].weight >> 1;
   }
 }

@@ -20,7 +20,7 @@ using device_data::kDepthBits, device_data::kScanlineCell;
 
 constexpr std::array<const char*, 3> kPasses = {"project", "slice", "sweep"};
 
-constexpr size_t kAhead = 8;  // surfaces are fetched from memory this many spans ahead
+constexpr size_t kSpansAhead = 8;  // surfaces are fetched from memory this many spans ahead
 
 double secondsNow() {
   return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
@@ -238,7 +238,7 @@ void Sweep::sweepRow(int row, std::span<Span> spans, uint64_t weight, Table& tab
     if (next < spans.size() && spans[next].low <= column) {
       settle();
       for (; next < spans.size() && spans[next].low <= column; ++next) {
-        __builtin_prefetch(&surfaces_[spans[std::min(next + kAhead, spans.size() - 1)].surface]);
+        __builtin_prefetch(&surfaces_[spans[std::min(next + kSpansAhead, spans.size() - 1)].surface]);
         layers_[next] = enter(spans[next], row);
         open_.push_back({0, &layers_[next]});
         first_end = std::min(first_end, spans[next].high);

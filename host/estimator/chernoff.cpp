@@ -6,7 +6,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kSharp = 1e-10;
+constexpr double kWidth = 1e-10;
 
 double divergence(double x, double y) {
   const double with = x > 0 ? x * std::log(x / y) : 0, without = x < 1 ? (1 - x) * std::log((1 - x) / (1 - y)) : 0;
@@ -19,7 +19,7 @@ double upperBound(double mean, double n, double l) {
   if (mean <= 0) return -std::expm1(-l / n);
   // Pinsker's inequality, n KL >= 2 n (mu - mean)^2, bounds the search from above.
   double low = mean, high = std::min(1.0, mean + std::sqrt(l / (2 * n)));
-  while (high - low > kSharp) {
+  while (high - low > kWidth) {
     const double middle = (low + high) / 2;
     (n * divergence(mean, middle) <= l ? low : high) = middle;
   }

@@ -30,7 +30,7 @@ constexpr double kFewDirections = 3;
 constexpr int64_t kMostOnTrust = 8;                       // with more pairs on trust (Need), none of them is directed
 constexpr size_t kMostDirected = 256, kMostEngines = 32;  // each engine takes memory and compiles its kernels
 constexpr double kWorthIt = 0.8;                          // directed pairs must bring the work down to this share
-constexpr double kMostReplicates = 1e12;
+constexpr double kManyReplicates = 1e12;
 
 using Key = std::pair<uint32_t, uint32_t>;
 
@@ -70,12 +70,13 @@ struct PredictedError {
   }
 };
 
-// PilotVariances holds the variance of each pair's exchange area over the pilots. Pairs are looked up in rising order.
-class PilotVariances {
+// PairPilotVariances holds the variance of each pair's exchange area over the pilots. Pairs are looked up in rising
+// order.
+class PairPilotVariances {
  public:
   // Each half of the pilots uses the visibilities of the other half. With visibilities from the same half, a pair of
   // few lines would seem better known than it is.
-  PilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
+  PairPilotVariances(const Ids& ids, const Prior& prior, const CommonPilots& pilots) {
     const size_t half = pilots.counts.size() / 2;
     for (const bool second : {false, true}) {
       PairCounts others;
@@ -123,7 +124,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
   std::vector<bool> is_blocked(ids.count(), false);
   for (const PairCount& count : all)
     if (count.j < kEnvironment && count.blocked) is_blocked[count.i] = is_blocked[count.j] = true;
-  PilotVariances variances(ids, prior, pilots);
+  PairPilotVariances variances(ids, prior, pilots);
   const double pilot_count = double(pilots.counts.size()), directions = options.directions,
                line = 2 * pilots.count_area / directions;
   std::vector<Need> needs;
@@ -155,7 +156,7 @@ std::vector<Need> findNeeds(const Ids& ids, const Prior& prior, const CommonPilo
     const bool on_trust =
         is_pair && !is_blocked[pair.first] && !is_blocked[pair.second] && error.after(options.replicates) <= allowed;
     double replicates = options.replicates;
-    while (unsure.after(replicates) > allowed && replicates < kMostReplicates) replicates *= std::sqrt(std::sqrt(2.0));
+    while (unsure.after(replicates) > allowed && replicates < kManyReplicates) replicates *= std::sqrt(std::sqrt(2.0));
     needs.push_back({pair, replicates, allowed, error.most, may_direct, on_trust});
   };
   auto count = all.begin();

@@ -8,7 +8,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = size_t(1) << 19;  // pairs of faces computed between two calls of on_chunk
+constexpr size_t kFacePairsAtOnce = size_t(1) << 19;  // pairs of faces computed between two calls of on_chunk
 
 }  // namespace
 
@@ -19,9 +19,9 @@ FaceExchanges::FaceExchanges(const Device* device, const Scene& scene, const Ids
 
 uint64_t FaceExchanges::compute(std::span<PairPrior> pairs) {
   uint64_t unreached = 0;
-  for (size_t first = 0; first < pairs.size(); first += kChunk) {
+  for (size_t first = 0; first < pairs.size(); first += kFacePairsAtOnce) {
     if (on_chunk_) on_chunk_();
-    unreached += computeChunk(pairs.subspan(first, std::min(kChunk, pairs.size() - first)));
+    unreached += computeChunk(pairs.subspan(first, std::min(kFacePairsAtOnce, pairs.size() - first)));
   }
   return unreached;
 }

@@ -15,7 +15,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kPilots = 8;
+constexpr uint32_t kPriorPilots = 8;
 
 // Returns the visibilities of the pairs that `others` have as well.
 std::vector<PairVisibility> shared(const std::vector<PairVisibility>& visibilities,
@@ -102,8 +102,8 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   auto start = Clock::now();
   std::vector<PairCounts> pilots;
   PairCounts all;
-  const uint32_t each = (pilot.directions + kPilots - 1u) / kPilots;
-  for (uint32_t k = 0; k < kPilots; ++k) {
+  const uint32_t each = (pilot.directions + kPriorPilots - 1u) / kPriorPilots;
+  for (uint32_t k = 0; k < kPriorPilots; ++k) {
     pilots.push_back(engine.count(sampleDirections(options.sampler, each, options.seed, kPriorReplicates.first + k)));
     all = addCounts(all, pilots.back());
   }

@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kMostDirections = 1e15;  // below 2^53, so that double holds every number of directions exactly
+constexpr double kCountableDirections = 1e15;  // below 2^53, so that double holds every number of directions exactly
 
 }  // namespace
 
@@ -73,13 +73,13 @@ uint64_t hoeffdingDirections(const std::vector<double>& ranges, const std::vecto
 }
 
 uint64_t leastDirections(const std::function<double(double)>& failure, double delta, double epsilon, double range) {
-  if (!(failure(kMostDirections) <= delta))
+  if (!(failure(kCountableDirections) <= delta))
     throw Error(
         ErrorCode::bad_usage,
         fmt::format("a guarantee of {} takes more than {:.0e} directions, each of which adds up to {:.3g} to a form "
                     "factor (2 unless polygons are far smaller than "
                     "the scene); ask for a larger --epsilon, or an estimate by --tolerance",
-                    epsilon, kMostDirections, range));
+                    epsilon, kCountableDirections, range));
   double low = 0, high = 1;
   while (failure(high) > delta) high *= 2;
   while (high - low > 1) (failure(std::floor((low + high) / 2)) > delta ? low : high) = std::floor((low + high) / 2);

@@ -7,11 +7,11 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kMostAtOnce = 1 << 16;  // directions in memory at a time
+constexpr uint64_t kDirectionsInMemory = 1 << 16;  // directions in memory at a time
 
 PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t directions, uint64_t block) {
   // Only runs of a median have blocks so large that they need several parts. Their directions are iid.
-  const uint64_t parts = (directions + kMostAtOnce - 1) / kMostAtOnce;
+  const uint64_t parts = (directions + kDirectionsInMemory - 1) / kDirectionsInMemory;
   PairCounts sum;
   for (uint64_t part = 0; part < parts; ++part) {
     const uint64_t count = directions * (part + 1) / parts - directions * part / parts;

@@ -9,7 +9,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kTogether = 512;  // one engine call counts blocks with up to this number of directions in all
+constexpr uint64_t kDirectionsOfCall =
+    512;  // one engine call counts blocks with up to this number of directions in all
 
 std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
   std::vector<PairCounts> merged;
@@ -91,7 +92,7 @@ bool GuaranteeRun::isDone() {
 void GuaranteeRun::step(const std::function<void()>& on_block) {
   uint64_t block = sums_.replicateCount();
   const uint64_t end = is_median_ ? most_blocks_ : std::min(most_blocks_, next_look_),
-                 together = std::max<uint64_t>(kTogether / directions_, 1);
+                 together = std::max<uint64_t>(kDirectionsOfCall / directions_, 1);
   for (PairCounts& counts : countBlocks(*plan_.engine, options_, directions_, block, std::min(end - block, together))) {
     sums_.add(block++, counts, directions_);
     if (is_median_) runs_.push_back(std::move(counts));

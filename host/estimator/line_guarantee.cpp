@@ -12,8 +12,9 @@
 namespace viewpeel {
 namespace {
 
-constexpr size_t kChunk = 16;          // entries that a thread takes at once
-constexpr size_t kTogether = 1 << 16;  // entries whose lines are drawn in one call, so that tasks take few megabytes
+constexpr size_t kEntriesAtOnce = 16;  // entries that a thread takes at once
+constexpr size_t kEntriesOfCall =
+    1 << 16;  // entries whose lines are drawn in one call, so that tasks take few megabytes
 
 double linesOfPart(double exchange, double weight) { return std::max(1.0, std::ceil(exchange / weight)); }
 
@@ -21,7 +22,8 @@ double linesOfPart(double exchange, double weight) { return std::max(1.0, std::c
 
 void LineGuarantee::forEach(size_t count, const std::function<void(size_t)>& work) const {
   shareOut(
-      lines_.threads(), count, kChunk, [&](size_t, size_t k) { work(k); }, [&](size_t) { lines_.stopIfRequested(); });
+      lines_.threads(), count, kEntriesAtOnce, [&](size_t, size_t k) { work(k); },
+      [&](size_t) { lines_.stopIfRequested(); });
 }
 
 double LineGuarantee::weightAt(const Entry& entry, uint32_t look) const {
@@ -131,9 +133,9 @@ bool LineGuarantee::look(Entry& entry, const Tasks& tasks, size_t first) {
 
 void LineGuarantee::step() {
   std::vector<char> is_done(open_.size(), false);
-  for (size_t first = 0; first < open_.size(); first += kTogether) {
+  for (size_t first = 0; first < open_.size(); first += kEntriesOfCall) {
     const std::span<const uint32_t> together =
-        std::span(open_).subspan(first, std::min(kTogether, open_.size() - first));
+        std::span(open_).subspan(first, std::min(kEntriesOfCall, open_.size() - first));
     Tasks tasks = tasksOf(together);
     lines_.drawUniform(tasks.uniform);
     lines_.drawStrata(tasks.strata);

@@ -28,7 +28,7 @@ constexpr double kShareOfRowLines = 0.9;     // part of a row's error; the rest 
 constexpr double kFirstLook = 1.2;           // times the lines that end an entry where no line is facing
 constexpr double kRowShare = 0.5;            // part of delta for rows, if rows have bounds
 constexpr uint64_t kPilotSeries = 1000;      // series of pilots; looks have smaller numbers
-constexpr size_t kPilots = 512;              // entries with a pilot
+constexpr size_t kMostPilots = 512;          // entries with a pilot
 constexpr double kMostPilotLines = 256;      // of an entry
 
 // Returns the largest weight c of a line for which Hoeffding's bound is at most `allowed`: docs/method.md, eq. (50). A
@@ -228,12 +228,12 @@ void LineGuarantee::predict() {
   // The entries are laid end to end, each as long as the most lines that it may need. Entries at equal distances along
   // this row get a pilot (systematic sampling).
   std::vector<std::pair<uint32_t, double>> pilots;  // entry and weight
-  const double step = most_uncertain / double(kPilots);
+  const double step = most_uncertain / double(kMostPilots);
   double sum = 0;
   for (const uint32_t k : uncertain) {
     const double most = linesOf(entries_[k], entries_[k].looks - 1), before = std::floor(sum / step + 0.5),
                  turns = std::floor((sum += most) / step + 0.5) - before;
-    if (uncertain.size() <= kPilots) pilots.emplace_back(k, 1);
+    if (uncertain.size() <= kMostPilots) pilots.emplace_back(k, 1);
     else if (turns > 0) pilots.emplace_back(k, turns * step / most);
   }
   std::vector<UniformLineCount> counts(pilots.size());

@@ -30,14 +30,14 @@ constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that
 // weights of a pair's lines are very uneven.
 constexpr uint64_t kMostReplicateGrowth = 8;
 // The same where only rows that miss the goal have further rays, and the most replicates that these have at once.
-constexpr uint64_t kMostRayGrowth = 64;
-constexpr double kMostAtOnce = 16;
+constexpr uint64_t kMostGrowthOfRays = 64;
+constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
 constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
 
-RunSums sumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs, double least_form_factor,
-                        const EstimateOptions& options) {
+RunSums lineSumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
+                            double least_form_factor, const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
   if (options.rays) sums.countRays(options.rays->rays());
   if (!options.resumed) {
@@ -81,7 +81,7 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
       lines_(lines),
       options_(std::move(options)),
       count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
-      sums_(sumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, options_)),
+      sums_(lineSumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, options_)),
       errors_in_goal_((options_.by == By::polygon ? sums_.by_id : sums_.by_surface).ids().count()) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
@@ -195,7 +195,8 @@ void LineRun::measureErrorsOfMixture() {
     for (const auto& [row, excess] : of.rows) {
       // Variances fall as the number of replicates. Half of the missing ones come next, for the error is rough.
       const double missing = double(sums_.by_id.replicatesOf(row, kEnvironment)) * (excess * excess - 1) / 2;
-      further_rays_[row] = std::max(further_rays_[row], static_cast<uint32_t>(std::clamp(missing, 1.0, kMostAtOnce)));
+      further_rays_[row] =
+          std::max(further_rays_[row], static_cast<uint32_t>(std::clamp(missing, 1.0, kMostFurtherRays)));
     }
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
@@ -252,7 +253,7 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
   }
   if (is_reached_) further_.clear();
   const bool may_go_on =
-      sums_.replicateCount() < (hasFurtherRays() ? kMostRayGrowth : kMostReplicateGrowth) * options_.replicates;
+      sums_.replicateCount() < (hasFurtherRays() ? kMostGrowthOfRays : kMostReplicateGrowth) * options_.replicates;
   if (!may_go_on) further_.clear();
   is_further_ = !further_.empty();
   if (!hasCountedPairs() || !needs_directions_) return;

@@ -29,7 +29,7 @@ constexpr uint32_t kReplicates = 8, kLeastReplicates = 4, kFirstDirections = 32,
 // Errors are taken to fall as N^-0.8 with N directions, and after two rounds as N^-0.5, the power of independent
 // directions. With exact areas the power is 1.29 (docs/accuracy.md).
 constexpr double kLeastExponent = 0.5, kUsualExponent = 0.8;
-constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostGrowth = 64;
+constexpr double kMargin = 0.9, kLeastGrowth = 1.5, kMostDirectionGrowth = 64;
 // The next round is planned to end when this share of the time that is left is over.
 constexpr double kShareOfTime = 0.9;
 // Two spacings fit along the side of a square of the median area.
@@ -90,7 +90,7 @@ class Measurement {
         return neededRays(best) > request_.most_rays.value_or(INFINITY) ? best : measureByRays(replicates, of_round);
       if (directions >= kMostDirections) return best;
       const double exponent = rounds_ > 2 ? kLeastExponent : kUsualExponent;
-      const double growth = std::clamp(std::pow(excess / kMargin, 1 / exponent), kLeastGrowth, kMostGrowth);
+      const double growth = std::clamp(std::pow(excess / kMargin, 1 / exponent), kLeastGrowth, kMostDirectionGrowth);
       double fitting = growth;
       if (request_.time_limit_s) {
         const double now_s = secondsSince(start_);

@@ -7,7 +7,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kPilotDirections = 16;  // of the first pilot; least of a further pilot
+constexpr uint32_t kLeastPilotDirections = 16;  // of the first pilot; least of a further pilot
 // An id that gets fewer lattice points, or scanlines, than this in the whole run is reported: no line may hit it.
 constexpr double kFewPoints = 5;
 constexpr double kDefaultTolerance = 1e-3;
@@ -98,7 +98,7 @@ Planner::Choice Planner::choose(bool by_time) const {
 
 Plan Planner::plan(double most_seconds) {
   const int first = lattices_.resolution ? lattices_.resolution : kFirstResolution;
-  measure(kPilotDirections, {first, first});
+  measure(kLeastPilotDirections, {first, first});
   Choice choice = choose();
   Plan plan;
   // A further pilot, whose lattice is nearer to the plan's, is counted where it costs little beside the run, or where
@@ -109,8 +109,8 @@ Plan Planner::plan(double most_seconds) {
     const double share = 0.03 * double(options_.replicates) / kPilotReplicates;
     const double most =
         allowedSeconds() / (2 * kPilotReplicates * choice.seconds / (choice.directions * double(options_.replicates)));
-    const auto directions =
-        static_cast<uint32_t>(std::clamp(std::min(share * choice.directions, most), double(kPilotDirections), 1e6));
+    const auto directions = static_cast<uint32_t>(
+        std::clamp(std::min(share * choice.directions, most), double(kLeastPilotDirections), 1e6));
     const bool is_doubtful = isDoubtful(choice);
     if (!is_doubtful && directions < 3 * last.directions &&
         std::max(choice.shape.finest, last.shape.finest) <= 2 * std::min(choice.shape.finest, last.shape.finest))

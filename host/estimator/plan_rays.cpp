@@ -19,7 +19,7 @@ constexpr double kRayRate = 0.7;
 // differ from it by 0.35 to 0.8 of its value (a city of 2,892 triangles). No row is taken to vary less, for no standard
 // error is stated to be smaller (MixtureEntries).
 constexpr double kBinomialDegrees = 7;
-constexpr uint32_t kMostRays = 1 << 20;
+constexpr uint32_t kMostRaysOfRow = 1 << 20;
 // No polygon has fewer rays than this share of the most: they count the pairs between polygons, too.
 constexpr double kLeastShare = 1.0 / 8;
 
@@ -27,10 +27,12 @@ constexpr double kLeastShare = 1.0 / 8;
 struct Row {
   double sum = 0, squares = 0;  // of its shares in each replicate
 
-  double variance() const { return std::max(0.0, squares - sum * sum / kPilotReplicates) / (kPilotReplicates - 1); }
+  double variance() const {
+    return std::max(0.0, squares - sum * sum / kRayPilotReplicates) / (kRayPilotReplicates - 1);
+  }
   // Returns the variance of this share by independent rays.    In: rays: of a replicate
   double binomial(double rays) const {
-    const double all = rays * kPilotReplicates, share = (sum * rays + 0.5) / (all + 1);
+    const double all = rays * kRayPilotReplicates, share = (sum * rays + 0.5) / (all + 1);
     return share * (1 - share) / rays;
   }
 };
@@ -93,7 +95,7 @@ PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
   std::vector<Row> environment(row_count), leak(row_count);
   std::vector<double> largest;
   const std::vector<bool> all_faces(row_of_face.size(), true);
-  for (uint32_t replicate = 0; replicate < kPilotReplicates; ++replicate) {
+  for (uint32_t replicate = 0; replicate < kRayPilotReplicates; ++replicate) {
     std::vector<double> left(row_count), leaked(row_count);
     const std::vector<Direction> directions =
         sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate);
@@ -116,14 +118,14 @@ PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
   for (const std::vector<Row>* rows : {&environment, &leak})
     for (size_t row = 0; row < row_count; ++row)
       variance += (*rows)[row].variance(), binomial += (*rows)[row].binomial(raysOf(row));
-  const double efficiency = variance / binomial, degrees = kPilotReplicates - 1,
+  const double efficiency = variance / binomial, degrees = kRayPilotReplicates - 1,
                margin = kRayMargin / std::sqrt(double(options.replicates)),
                errors_in_goal = margin * errorsInRowGoal(row_count);
   const auto needOf = [&](const Row& of, size_t row) {
     const double expected = efficiency * of.binomial(raysOf(row)),
                  likely = (degrees * of.variance() + kBinomialDegrees * expected) / (degrees + kBinomialDegrees);
     const double error = errors_in_goal * std::sqrt(std::max(likely, expected));
-    return kPilotRays * std::pow(error / options.allowedError(of.sum / kPilotReplicates), 1 / kRayRate);
+    return kPilotRays * std::pow(error / options.allowedError(of.sum / kRayPilotReplicates), 1 / kRayRate);
   };
   // Errors of form factors between surfaces are taken to be those of independent rays.
   const auto needOfPairs = [&](size_t row) {
@@ -139,8 +141,8 @@ PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
   };
   std::vector<double> outside(row_count), alone(row_count);
   for (size_t row = 0; row < row_count; ++row) {
-    outside[row] = std::min(double(kMostRays), std::max(needOf(environment[row], row), needOf(leak[row], row)));
-    if (may_be_alone) alone[row] = std::min(double(kMostRays), std::max(outside[row], needOfPairs(row)));
+    outside[row] = std::min(double(kMostRaysOfRow), std::max(needOf(environment[row], row), needOf(leak[row], row)));
+    if (may_be_alone) alone[row] = std::min(double(kMostRaysOfRow), std::max(outside[row], needOfPairs(row)));
   }
   return {raysOfFaces(outside, kLeastShare), may_be_alone ? raysOfFaces(alone, 0) : std::vector<uint32_t>()};
 }

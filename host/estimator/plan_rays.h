@@ -12,8 +12,8 @@
 
 namespace viewpeel {
 
-// The pilot has kPilotReplicates of kPilotRays rays of each polygon.
-constexpr uint32_t kPilotRays = 32, kPilotReplicates = 8;
+// The pilot has kRayPilotReplicates of kPilotRays rays of each polygon.
+constexpr uint32_t kPilotRays = 32, kRayPilotReplicates = 8;
 
 // Standard errors of environments by rays come from few replicates, and every row just keeps to the goal. So the
 // tolerance holds this multiple of the errors that it would hold if they were certain and normal: with 1, it was

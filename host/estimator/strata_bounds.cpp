@@ -7,7 +7,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kSharp = 1e-6;  // relative width of the interval in which bisection ends
+constexpr double kRelativeWidth = 1e-6;  // relative width of the interval in which bisection ends
 
 }  // namespace
 
@@ -20,7 +20,7 @@ double bennettDeviation(double variance, double largest, double l) {
   // Bernstein's bound, sqrt(2 v l) + b l / 3, is no smaller (Boucheron, Lugosi, Massart, section 2.8).
   double low = 0, high = std::sqrt(2 * variance * l) + largest * l / 3;
   const double need = l * largest * largest / variance;
-  while (high - low > kSharp * high) {
+  while (high - low > kRelativeWidth * high) {
     const double middle = (low + high) / 2, u = largest * middle / variance;
     ((1 + u) * std::log1p(u) - u <= need ? low : high) = middle;
   }

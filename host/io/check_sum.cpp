@@ -9,7 +9,7 @@ namespace viewpeel {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "check sums are of little-endian words");
-constexpr size_t kBlockBytes = 1 << 20;  // bytes read at a time, a multiple of 8
+constexpr size_t kBytesAtOnce = 1 << 20;  // bytes read at a time, a multiple of 8
 
 }  // namespace
 
@@ -28,7 +28,7 @@ std::array<char, kCheckSumBytes> CheckSum::bytes() const {
 bool endsInCheckSum(std::istream& file, uint64_t size) {
   if (size < kCheckSumBytes) return false;
   CheckSum sum;
-  std::vector<char> block(kBlockBytes);
+  std::vector<char> block(kBytesAtOnce);
   for (uint64_t left = size - kCheckSumBytes; left > 0;) {
     const size_t count = std::min<uint64_t>(left, block.size());
     if (!file.read(block.data(), static_cast<std::streamsize>(count))) return false;

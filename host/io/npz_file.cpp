@@ -16,15 +16,15 @@ constexpr uint16_t kZip64Version = 45, kExtraZip64 = 1;
 constexpr size_t kPart = 1 << 16;               // values of an array that are in memory together
 constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip can express, for files without a time
 
-// A Record collects the bytes of a record of a zip, little-endian.
-class Record {
+// A ZipRecord collects the bytes of a record of a zip, little-endian.
+class ZipRecord {
  public:
   template <class T>
-  Record& add(T value) {
+  ZipRecord& add(T value) {
     for (size_t k = 0; k < sizeof value; ++k) bytes_ += static_cast<char>(value >> (8 * k));
     return *this;
   }
-  Record& add(const std::string& text) {
+  ZipRecord& add(const std::string& text) {
     bytes_ += text;
     return *this;
   }
@@ -35,7 +35,7 @@ class Record {
 };
 
 template <class T>
-const char* typeOf() {
+const char* npyTypeOf() {
   return std::is_same_v<T, int32_t> ? "<i4" : std::is_same_v<T, int64_t> ? "<i8" : "<f8";
 }
 
@@ -44,14 +44,14 @@ std::string npyHead(const std::string& type, const std::string& shape) {
   std::string text = fmt::format("{{'descr': '{}', 'fortran_order': False, 'shape': {}, }}", type, shape);
   text.append((64 - (10 + text.size() + 1) % 64) % 64, ' ');
   text += '\n';
-  return std::string("\x93NUMPY\x01\x00", 8) + Record().add(static_cast<uint16_t>(text.size())).bytes() + text;
+  return std::string("\x93NUMPY\x01\x00", 8) + ZipRecord().add(static_cast<uint16_t>(text.size())).bytes() + text;
 }
 
 }  // namespace
 
 template <class T>
 void NpzOutput::write(const std::string& name, std::span<const T> values) {
-  add(name, npyHead(typeOf<T>(), fmt::format("({},)", values.size())), values.size_bytes(), [&](const auto& use) {
+  add(name, npyHead(npyTypeOf<T>(), fmt::format("({},)", values.size())), values.size_bytes(), [&](const auto& use) {
     use({reinterpret_cast<const char*>(values.data()), values.size_bytes()});
   });
 }
@@ -59,7 +59,7 @@ void NpzOutput::write(const std::string& name, std::span<const T> values) {
 template <class T>
 void NpzOutput::write(const std::string& name, size_t count,
                       const std::function<void(const std::function<void(T)>&)>& forEach) {
-  add(name, npyHead(typeOf<T>(), fmt::format("({},)", count)), count * sizeof(T), [&](const auto& use) {
+  add(name, npyHead(npyTypeOf<T>(), fmt::format("({},)", count)), count * sizeof(T), [&](const auto& use) {
     std::vector<T> part;
     part.reserve(kPart);
     const auto usePart = [&] {
@@ -86,7 +86,7 @@ void NpzOutput::add(const std::string& name, const std::string& head, size_t siz
   sum.process_bytes(head.data(), head.size());
   forEachPart([&](std::span<const char> part) { sum.process_bytes(part.data(), part.size()); });
   const Member member{name + ".npy", sum.checksum(), head.size() + size, place_};
-  Record record;
+  ZipRecord record;
   record.add(uint32_t(0x04034b50)).add(kZip64Version).add(uint16_t(0)).add(uint16_t(0)).add(uint16_t(0));
   record.add(kFirstOfJanuary1980).add(member.check_sum).add(kAllOnes).add(kAllOnes);
   record.add(static_cast<uint16_t>(member.name.size())).add(uint16_t(20)).add(member.name);
@@ -98,7 +98,7 @@ void NpzOutput::add(const std::string& name, const std::string& head, size_t siz
 }
 
 void NpzOutput::finish() {
-  Record directory;
+  ZipRecord directory;
   for (const Member& member : members_) {
     directory.add(uint32_t(0x02014b50)).add(kZip64Version).add(kZip64Version).add(uint16_t(0)).add(uint16_t(0));
     directory.add(uint16_t(0)).add(kFirstOfJanuary1980).add(member.check_sum).add(kAllOnes).add(kAllOnes);
@@ -107,7 +107,7 @@ void NpzOutput::finish() {
     directory.add(kExtraZip64).add(uint16_t(24)).add(member.size).add(member.size).add(member.place);
   }
   const uint64_t count = members_.size(), size = directory.bytes().size();
-  Record end;
+  ZipRecord end;
   end.add(uint32_t(0x06064b50)).add(uint64_t(44)).add(kZip64Version).add(kZip64Version).add(uint32_t(0));
   end.add(uint32_t(0)).add(count).add(count).add(size).add(place_);
   end.add(uint32_t(0x07064b50)).add(uint32_t(0)).add(place_ + size).add(uint32_t(1));

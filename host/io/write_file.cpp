@@ -19,7 +19,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t kBlockBytes = 4096;  // size of a block of a file system
+constexpr size_t kFileSystemBlock = 4096;  // size of a block of a file system
 constexpr mode_t kModeOfNewFiles = 0666, kModeOfOwner = 0600;
 
 [[noreturn]] void refuse(const fs::path& file, const std::string& reason, ErrorCode code = ErrorCode::output) {
@@ -137,7 +137,7 @@ void checkWritable(const fs::path& named) {
     refuse(named, "it is not a regular file", ErrorCode::bad_usage);
   TemporaryFile temporary(file, ErrorCode::bad_usage);
   // An empty file would not show that the disk is full, so a block is written.
-  const int number = temporary.fill([](std::ostream& out) { out << std::string(kBlockBytes, ' '); });
+  const int number = temporary.fill([](std::ostream& out) { out << std::string(kFileSystemBlock, ' '); });
   if (number) refuse(named, std::strerror(number), ErrorCode::bad_usage);
 }
 

@@ -86,7 +86,7 @@ std::vector<Surroundings> findSurroundings(const FormFactors& form_factors, cons
   return found;
 }
 
-void writeIdf(const std::vector<Surroundings>& all, std::ostream& out) {
+void writeSurroundingsIdf(const std::vector<Surroundings>& all, std::ostream& out) {
   for (const Surroundings& of : all) {
     fmt::print(out, "SurfaceProperty:LocalEnvironment,\n  {},\n  {},\n  ,\n  {};\n\n", of.environment(), of.surface,
                of.name());
@@ -97,7 +97,7 @@ void writeIdf(const std::vector<Surroundings>& all, std::ostream& out) {
   }
 }
 
-void writeEpJson(const std::vector<Surroundings>& all, std::ostream& out) {
+void writeSurroundingsEpJson(const std::vector<Surroundings>& all, std::ostream& out) {
   nlohmann::ordered_json environments = nlohmann::ordered_json::object(), surroundings = environments;
   for (const Surroundings& of : all) {
     environments[of.environment()] = {{"exterior_surface_name", of.surface},
@@ -120,8 +120,8 @@ void writeEpJson(const std::vector<Surroundings>& all, std::ostream& out) {
 
 void writeSurroundings(const FormFactors& form_factors, const Scene& scene, bool as_json, std::ostream& out) {
   const std::vector<Surroundings> surroundings = findSurroundings(form_factors, scene);
-  if (as_json) writeEpJson(surroundings, out);
-  else writeIdf(surroundings, out);
+  if (as_json) writeSurroundingsEpJson(surroundings, out);
+  else writeSurroundingsIdf(surroundings, out);
 }
 
 }  // namespace viewpeel

@@ -16,13 +16,13 @@ namespace {
 constexpr uint64_t kLongestPiece = 2147483639;  // longest piece of a record in gfortran's files
 constexpr size_t kVersionBytes = 80;
 
-// A Record is a Fortran record of known length. It is written in pieces, each between two copies of its length. The
-// first copy is negative if another piece follows, and the second copy if another piece precedes.
-class Record {
+// A FortranRecord has a known length. It is written in pieces, each between two copies of the piece's length. The first
+// copy is negative if another piece follows, and the second copy if another piece precedes.
+class FortranRecord {
  public:
-  Record(std::ostream& out, uint64_t bytes) : out_(out), left_(bytes) { begin(); }
-  ~Record() { end(); }
-  Record(const Record&) = delete;
+  FortranRecord(std::ostream& out, uint64_t bytes) : out_(out), left_(bytes) { begin(); }
+  ~FortranRecord() { end(); }
+  FortranRecord(const FortranRecord&) = delete;
   void add(const char* bytes, uint64_t count) {
     while (count > 0) {
       if (piece_left_ == 0) {
@@ -78,7 +78,7 @@ Rows rowsOf(const OutputContent& content, size_t count) {
 
 // Writes pairs of one cavity below the diagonal, column by column: first all F(row -> column), then F(column -> row).
 void writePairs(const SparseRows& sparse, const SparseRows& transposed, const std::vector<int>& cavities,
-                Record& record) {
+                FortranRecord& record) {
   const auto n = static_cast<int64_t>(cavities.size());
   for (const SparseRows* of : {&transposed, &sparse}) {
     std::vector<double> column(cavities.size());
@@ -132,17 +132,17 @@ void writeVwf(const OutputContent& content, std::ostream& out) {
   if (content.ccx_version != "none") {
     std::string version = "Version " + content.ccx_version;
     version.resize(kVersionBytes, ' ');
-    Record(out, kVersionBytes).add(version.data(), kVersionBytes);
+    FortranRecord(out, kVersionBytes).add(version.data(), kVersionBytes);
   }
   {
-    Record record(out, n * sizeof(double));
+    FortranRecord record(out, n * sizeof(double));
     for (double value : diagonal) record.add(value);
   }
   {
-    Record record(out, 2 * pair_count * sizeof(double));
+    FortranRecord record(out, 2 * pair_count * sizeof(double));
     writePairs(sparse, transpose(sparse), rows.cavities, record);
   }
-  Record record(out, n * sizeof(double));
+  FortranRecord record(out, n * sizeof(double));
   for (uint64_t i = 0; i < n; ++i) record.add(rows.is_closed[i] ? 0.0 : 1 - sums[i]);
 }
 

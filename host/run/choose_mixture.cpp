@@ -117,7 +117,7 @@ bool FormFactorRun::State::mayPromise() const { return no_promise.empty() && !se
 
 // Returns the number of rays of a pilot, of all polygons.
 double FormFactorRun::State::pilotRays() const {
-  return double(setup.scene().polygons.size()) * kPilotRays * kPilotReplicates;
+  return double(setup.scene().polygons.size()) * kPilotRays * kRayPilotReplicates;
 }
 
 // Returns the numbers of rays that polygons need. They are planned once, with ray_engine.

@@ -29,26 +29,28 @@ namespace {
 constexpr uint32_t kMostBlocks = 1'000'000;
 constexpr double kMostCounts = 3e7;  // of a rank in a planned replicate; 24 bytes each
 
-void refuse(const std::string& what) { throw Error(ErrorCode::bad_usage, "--row-blocks: " + what); }
+void refuseBlocks(const std::string& what) { throw Error(ErrorCode::bad_usage, "--row-blocks: " + what); }
 
 void requireKind(const RowBlocksRequest& blocks) {
   const Request& request = blocks.request;
   const auto* amount = std::get_if<FixedAmount>(&request.goal);
   if (!amount && !std::holds_alternative<Tolerance>(request.goal) && !std::holds_alternative<Relative>(request.goal))
-    refuse("gives estimates; leave out --epsilon, --delta and --seconds, or give --directions or --tolerance");
-  if (amount ? amount->finest : request.amount.finest) refuse("has no windows for small polygons; leave out --finest");
-  if (request.amount.is_exact) refuse("has no parts; leave out --part");
-  if (request.time_limit_s) refuse("has no time limit; leave out --seconds");
-  if (!request.question.isEverything()) refuse("is for the whole matrix; leave out --from, --pair and --blocker");
+    refuseBlocks("gives estimates; leave out --epsilon, --delta and --seconds, or give --directions or --tolerance");
+  if (amount ? amount->finest : request.amount.finest)
+    refuseBlocks("has no windows for small polygons; leave out --finest");
+  if (request.amount.is_exact) refuseBlocks("has no parts; leave out --part");
+  if (request.time_limit_s) refuseBlocks("has no time limit; leave out --seconds");
+  if (!request.question.isEverything()) refuseBlocks("is for the whole matrix; leave out --from, --pair and --blocker");
   if (request.unoccluded.value_or(false) || request.pair_lines.value_or(false) || request.promise.value_or(false))
-    refuse("takes common directions alone; leave out --unoccluded, --pair-lines and --promise");
-  if (request.balance) refuse("cannot balance a matrix that no process holds; leave out --balance");
-  if (request.engine == EngineKind::exact) refuse("takes an engine that counts; leave out --engine exact");
+    refuseBlocks("takes common directions alone; leave out --unoccluded, --pair-lines and --promise");
+  if (request.balance) refuseBlocks("cannot balance a matrix that no process holds; leave out --balance");
+  if (request.engine == EngineKind::exact) refuseBlocks("takes an engine that counts; leave out --engine exact");
   if (blocks.block_count < 1 || blocks.block_count > kMostBlocks)
-    refuse(fmt::format("{} is not a number of blocks from 1 to {}", blocks.block_count, kMostBlocks));
+    refuseBlocks(fmt::format("{} is not a number of blocks from 1 to {}", blocks.block_count, kMostBlocks));
   if (!(blocks.drop_below >= 0 && blocks.drop_below < 1))
-    refuse(fmt::format("{} is not a form factor from 0 to 1 below which pairs are left out", blocks.drop_below));
-  if (blocks.output.extension() != ".h5") refuse("writes a .h5, block by block; give -o NAME.h5 and no other output");
+    refuseBlocks(fmt::format("{} is not a form factor from 0 to 1 below which pairs are left out", blocks.drop_below));
+  if (blocks.output.extension() != ".h5")
+    refuseBlocks("writes a .h5, block by block; give -o NAME.h5 and no other output");
 }
 
 Request settled(Request request) {

@@ -21,7 +21,7 @@ namespace viewpeel {
 namespace {
 
 constexpr int kMostIncludes = 16;  // depth to which included files may include others
-constexpr double kFlatness =
+constexpr double kElementFlatness =
     1e-6;  // a face is curved if a corner is farther from its mean plane than this times its size
 constexpr uint64_t kMostGenerated = 1u << 30;
 
@@ -256,7 +256,7 @@ class DeckReader {
     double off = 0;
     for (const glm::dvec3& corner : face.corners)
       off = std::max(off, std::abs(glm::dot(normal, corner - face.corners[0])) / (size * size));
-    if (off > kFlatness * size && curved_count_++ == 0) first_curved_ = {face.element, face.face};
+    if (off > kElementFlatness * size && curved_count_++ == 0) first_curved_ = {face.element, face.face};
   }
 
   CcxDeck deck_;

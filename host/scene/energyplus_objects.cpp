@@ -7,7 +7,7 @@ namespace viewpeel {
 namespace {
 
 // Returns a field without the blanks around it.
-std::string trim(const std::string& text) {
+std::string withoutBlanks(const std::string& text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
 }
@@ -45,14 +45,14 @@ std::vector<IdfObject> readIdf(const std::filesystem::path& file) {
         continue;
       }
       if (words.empty() && word.empty()) start = here;
-      words.push_back(trim(word));
+      words.push_back(withoutBlanks(word));
       word.clear();
       if (c == ',') continue;
       objects.push_back({lowerCase(words[0]), {words.begin() + 1, words.end()}, start});
       words.clear();
     }
   }
-  if (!words.empty() || !trim(word).empty()) start.refuse("the object has no ';' at its end; complete it");
+  if (!words.empty() || !withoutBlanks(word).empty()) start.refuse("the object has no ';' at its end; complete it");
   return objects;
 }
 

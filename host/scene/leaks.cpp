@@ -13,7 +13,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kRays = 1 << 14, kEnough = 2000;  // most rays; fewer where this many have ended on backs
+constexpr uint64_t kMostLeakRays = 1 << 14, kEnough = 2000;  // most rays; fewer where this many have ended on backs
 constexpr uint64_t kQuickRays = 512;
 // This many rays around a point end on backs if the point is hidden. A point of which a tenth of the rays ends
 // elsewhere is taken for hidden in 3 % of cases, 0.9^32.
@@ -46,7 +46,7 @@ class LeakFinder {
       sums.push_back((sums.empty() ? 0 : sums.back()) + (weights.empty() ? scene_.polygons[k].area : weights[k]));
     if (!(sums.back() > 0)) return found;
     std::map<std::tuple<uint32_t, uint32_t, LeakCause, uint32_t>, Tally> tallies;
-    while (found.rays < kRays && found.backs < kEnough) {
+    while (found.rays < kMostLeakRays && found.backs < kEnough) {
       const uint32_t polygon = pickBySums(sums, sight_.uniform() * sums.back());
       const glm::dvec3 point = sight_.pointOn(polygon);
       const Sight::End end = sight_.look(polygon, point, sight_.directionFrom(polygon, true));

@@ -12,7 +12,7 @@ namespace {
 
 using glm::dvec3;
 
-constexpr uint32_t kRays = 8;         // rays to each side of a place
+constexpr uint32_t kSightRays = 8;    // rays to each side of a place
 constexpr size_t kMostPermuted = 6;   // up to this number of polygons at a place, all their orders are tried
 constexpr size_t kMostInserted = 16;  // up to this number, polygons are inserted one by one where they cost least
 
@@ -25,9 +25,9 @@ Votes Stacking::castRays(const Place& place, double side) {
   const dvec3 axis = side * place.normal;
   const dvec3 across = glm::normalize(glm::cross(axis, std::abs(axis.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   const double turn = uniform();
-  for (uint32_t k = 0; k < kRays; ++k) {
-    // The hemisphere without its rim is cut into kRays zones. Each ray gets a zone, and turns by the golden angle.
-    const double height = 0.25 + 0.75 * (k + uniform()) / kRays,
+  for (uint32_t k = 0; k < kSightRays; ++k) {
+    // The hemisphere without its rim is cut into kSightRays zones. Each ray gets a zone, and turns by the golden angle.
+    const double height = 0.25 + 0.75 * (k + uniform()) / kSightRays,
                  angle = 2 * std::numbers::pi * (turn + k * std::numbers::phi);
     const double radius = std::sqrt(1 - height * height);
     const dvec3 direction =
@@ -132,7 +132,7 @@ double Stacking::costOf(const Place& place, const std::vector<uint32_t>& order, 
                         const Votes& above) const {
   const auto looksUp = [&](uint32_t polygon) { return glm::dot(normals_[polygon], place.normal) > 0; };
   const auto against = [](const Votes& votes, bool is_free) {
-    return (is_free ? votes.solid : votes.free) / double(kRays);
+    return (is_free ? votes.solid : votes.free) / double(kSightRays);
   };
   double cost = 4 * against(below, !looksUp(order.front())) + 4 * against(above, looksUp(order.back()));
   for (size_t k = 0; k + 1 < order.size(); ++k)

@@ -22,7 +22,7 @@ using Corners = std::vector<glm::dvec3>;
 
 // A window's distance from its wall's plane, over the wall's size, up to which it is moved silently, and moved at all.
 constexpr double kRounding = 1e-6, kMostMoved = 1e-2;
-constexpr double kLeastCosine = 0.999;
+constexpr double kLeastWindowCosine = 0.999;
 // Corners nearer to each other than this, over the wall's size, are the same.
 constexpr double kSameCorner = 1e-12;
 
@@ -71,7 +71,7 @@ double moveIntoPlane(Corners& window, const Corners& wall, const FilePlace& plac
   if (!(glm::length(up) > 0) || !(glm::length(of_window) > 0))
     place.refuse(fmt::format("window '{}' or its wall has no area; correct it", printable(name)));
   const glm::dvec3 n = glm::normalize(up);
-  if (glm::dot(n, glm::normalize(of_window)) < kLeastCosine)
+  if (glm::dot(n, glm::normalize(of_window)) < kLeastWindowCosine)
     place.refuse(fmt::format("window '{}' does not face as its wall does; reverse its vertices", printable(name)));
   double largest = 0;
   for (glm::dvec3& corner : window) {

@@ -29,9 +29,9 @@ std::string unquote(std::string_view text, const FilePlace& place) {
 }
 
 std::string_view trim(std::string_view text) {
-  constexpr std::string_view kBlanks = " \t\r";
-  const size_t start = std::min(text.find_first_not_of(kBlanks), text.size());
-  return text.substr(start, text.find_last_not_of(kBlanks) + 1 - start);
+  constexpr std::string_view kBlank = " \t\r";
+  const size_t start = std::min(text.find_first_not_of(kBlank), text.size());
+  return text.substr(start, text.find_last_not_of(kBlank) + 1 - start);
 }
 
 // Reads the number of a face, from 1.

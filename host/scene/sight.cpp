@@ -13,8 +13,9 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLeastCosine = 0.01;  // at smaller cosines the hits of coincident polygons may be far apart on a ray
-constexpr double kStepBack = 2 * kCoincidenceReach / kLeastCosine;
+constexpr double kLeastSightCosine =
+    0.01;  // at smaller cosines the hits of coincident polygons may be far apart on a ray
+constexpr double kStepBack = 2 * kCoincidenceReach / kLeastSightCosine;
 
 }  // namespace
 
@@ -47,7 +48,7 @@ dvec3 Sight::pointOn(uint32_t polygon, double u, double v) const {
 }
 
 dvec3 Sight::directionFrom(uint32_t polygon, bool from_front) {
-  const double square = kLeastCosine * kLeastCosine + (1 - kLeastCosine * kLeastCosine) * uniform();
+  const double square = kLeastSightCosine * kLeastSightCosine + (1 - kLeastSightCosine * kLeastSightCosine) * uniform();
   return directionFrom(polygon, from_front, square, uniform());
 }
 

@@ -47,7 +47,7 @@ std::string decodeBase64(std::string_view text, size_t& used) {
 // Returns the number of base64 characters for this number of bytes.
 size_t base64Length(uint64_t bytes) { return static_cast<size_t>((bytes + 2) / 3 * 4); }
 
-std::string_view trim(std::string_view text) {
+std::string_view skipBlanks(std::string_view text) {
   const size_t first = text.find_first_not_of(" \t\r\n");
   return first == std::string_view::npos ? std::string_view() : text.substr(first);
 }
@@ -141,7 +141,7 @@ std::string VtkFile::decodeBlock(std::string_view encoded, bool is_base64) const
 
 std::string VtkFile::bytesOf(const pugi::xml_node& array) const {
   const std::string format = array.attribute("format").as_string();
-  if (format == "binary") return decodeBlock(trim(array.text().get()), true);
+  if (format == "binary") return decodeBlock(skipBlanks(array.text().get()), true);
   if (format != "appended") refuse(fmt::format("an array has format '{}'; export the file again", printable(format)));
   const uint64_t offset = array.attribute("offset").as_ullong();
   if (offset > appended_.size()) refuse("an array begins behind the end of the file; export it again");

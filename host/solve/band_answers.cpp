@@ -11,7 +11,7 @@ namespace {
 using Eigen::VectorXd;
 using Term = BandErrors::Term;
 
-constexpr int kMostTurns = 200;
+constexpr int kMostBisections = 200;
 
 class BandAnswers {
  public:
@@ -64,7 +64,7 @@ class BandAnswers {
   // Returns the temperature at which rows of these mean emissivities emit this power. Emission grows with the
   // temperature, so bisection finds it.
   double temperatureOf(const VectorXd& emissivities, double power, double low, double high) const {
-    for (int turn = 0; turn < kMostTurns && low < high; ++turn) {
+    for (int turn = 0; turn < kMostBisections && low < high; ++turn) {
       const double middle = low + (high - low) / 2;
       if (middle <= low || middle >= high) break;
       (emissionAt(emissivities, middle).power < power ? low : high) = middle;

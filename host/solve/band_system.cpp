@@ -17,7 +17,7 @@ using Eigen::VectorXd;
 
 constexpr int kMostSteps = 100, kMostHalvings = 40, kMostInnerSteps = 500;
 constexpr double kSolved = 1e-12, kSolvedAtRounding = 1e-9;  // largest residual, as a share of the largest emission
-constexpr double kInnerResidual = 1e-8;                      // largest residual of a Newton step's linear solution
+constexpr double kLinearResidual = 1e-8;                     // largest residual of a Newton step's linear solution
 constexpr double kLargestFall = 0.25;                        // a step leaves at least this share of a temperature
 
 }  // namespace
@@ -125,7 +125,7 @@ VectorXd BandSystem::solveNewton(const VectorXd& right_side) const {
   const auto apply = [&](const VectorXd& y) { return changeOfFlux(slopes, scale.cwiseProduct(y)); };
   VectorXd y = VectorXd::Zero(n), residual = right_side, direction = residual;
   const VectorXd shadow = residual;
-  const double goal = kInnerResidual * right_side.norm();
+  const double goal = kLinearResidual * right_side.norm();
   double product = shadow.dot(residual);
   for (int step = 0; step < kMostInnerSteps && residual.norm() > goal && product != 0; ++step) {
     const VectorXd applied = apply(direction);

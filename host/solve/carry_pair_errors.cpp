@@ -12,7 +12,7 @@ namespace {
 using Eigen::Index;
 using Eigen::VectorXd;
 
-constexpr uint64_t kProbeSeed = 0x62616E6473;
+constexpr uint64_t kBandProbeSeed = 0x62616E6473;
 
 // A Disturber adds errors of exchange areas to disturbances, band by band: docs/solve.md, eq. (7).
 class Disturber {
@@ -82,7 +82,7 @@ BandErrors carryPairErrors(const FormFactors& measured, const ClosedExchange& cl
     } else if (!has_probes) {
       disturber.add(sources[column], 1, sum);
     } else {
-      Random random(kProbeSeed, column);
+      Random random(kBandProbeSeed, column);
       uint64_t signs = 0;
       for (size_t s = 0; s < sources.size(); ++s) {
         signs = s % 64 == 0 ? random.word() : signs >> 1;

@@ -14,9 +14,7 @@ namespace {
 using Eigen::VectorXd;
 using Entry = FormFactors::Entry;
 
-// An environment larger than this many standard errors is real: a normal error exceeds it once in 147,000 cases.
-constexpr double kBeyondDoubt = 4.5;
-constexpr double kRounding = 1e-12;  // allowed in a row sum that is 1 by construction
+constexpr double kRowRounding = 1e-12;  // allowed in a row sum that is 1 by construction
 
 }  // namespace
 
@@ -62,7 +60,7 @@ ClosedExchange closeRows(const FormFactors& form_factors) {
     closed.environment[entry.i] = entry.exchange_area.value;
     environment += entry.exchange_area.value;
     variance += std::pow(entry.exchange_area.standard_error, 2);
-    closed.environment_is_rest[entry.i] = std::abs(form_factors.rowSums()[entry.i].value - 1) < kRounding;
+    closed.environment_is_rest[entry.i] = std::abs(form_factors.rowSums()[entry.i].value - 1) < kRowRounding;
   }
   const double area = closed.areas.sum();
   closed.is_open = environment > kGrazingShare * area && environment > kBeyondDoubt * std::sqrt(variance);

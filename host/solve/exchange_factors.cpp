@@ -21,7 +21,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-using Entry = ExchangeFactors::Entry;
 
 constexpr uint32_t kMostRows = 10'000;
 
@@ -55,7 +54,7 @@ FormFactors asFormFactors(const ExchangeFactors& factors, const VectorXd& to_env
   }
   std::vector<FormFactors::Entry> entries;
   entries.reserve(factors.entries.size());
-  for (const Entry& entry : factors.entries)
+  for (const ExchangeFactors::Entry& entry : factors.entries)
     entries.push_back({entry.i, std::min(entry.j, environment), {entry.conductor, 0}});
   return {std::move(ids), std::move(entries), {}};
 }
@@ -66,16 +65,16 @@ void dropBelow(double cut, const VectorXd& to_environment, ExchangeFactors& fact
   const auto n = static_cast<uint32_t>(factors.names.size());
   std::vector<double> largest(n), lost(n);
   const auto emitted = [&](uint32_t i) { return factors.areas[i] * factors.emissivities[i]; };
-  for (const Entry& entry : factors.entries) {
+  for (const ExchangeFactors::Entry& entry : factors.entries) {
     largest[entry.i] = std::max(largest[entry.i], entry.conductor);
     if (entry.j < n) largest[entry.j] = std::max(largest[entry.j], entry.conductor);
   }
-  const auto isDropped = [&](const Entry& entry) {
+  const auto isDropped = [&](const ExchangeFactors::Entry& entry) {
     const double both = entry.j < n ? std::min(emitted(entry.i), emitted(entry.j)) : emitted(entry.i);
     return entry.conductor < cut * both && entry.conductor < largest[entry.i] &&
            (entry.j >= n || entry.conductor < largest[entry.j]);
   };
-  for (const Entry& entry : factors.entries) {
+  for (const ExchangeFactors::Entry& entry : factors.entries) {
     if (!isDropped(entry)) continue;
     ++factors.dropped;
     lost[entry.i] += entry.conductor;

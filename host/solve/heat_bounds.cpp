@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr int kMostTurns = 200;
+constexpr int kMostBoundTurns = 200;
 constexpr double kRoom = 1.05;  // the next guess is this multiple of what the last one turned out to need
 
 // Returns the largest distance from an entry's exchange area to an end of its interval.
@@ -67,7 +67,7 @@ VectorXd boundIrradiation(const FormFactors& measured, const ClosedExchange& clo
   const Spread spread(measured, closed);
   const VectorXd right_side = spread.of(radiosity), reflectivity = irradiation.roots().cwiseAbs2();
   VectorXd guess = VectorXd::Zero(right_side.size());
-  for (int turn = 0; turn < kMostTurns; ++turn) {
+  for (int turn = 0; turn < kMostBoundTurns; ++turn) {
     VectorXd bound = irradiation.solve(right_side + guess);
     if (!bound.allFinite() || bound.norm() > 1e100) break;
     // With w = bound, (A - X~ R) w >= v + guess - |X~ - X| R w: docs/solve.md, eq. (10). This is at least v if the

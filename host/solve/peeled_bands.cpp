@@ -14,10 +14,10 @@ using Eigen::Index;
 using Eigen::RowVectorXd;
 using Eigen::VectorXd;
 
-constexpr int kMostNewtonSteps = 50, kMostHalvings = 20, kMostTurns = 200;
-constexpr uint32_t kMostSteps = 10'000;
+constexpr int kMostNewtonSteps = 50, kMostStepHalvings = 20, kMostTurns = 200;
+constexpr uint32_t kMostBandSteps = 10'000;
 constexpr double kInnerResidual = 1e-3;  // of a Newton step's linear equations; its later steps gain the other digits
-constexpr double kRounding = 1e-13;      // of emission in a band, and of the sums of products
+constexpr double kSumRounding = 1e-13;   // of emission in a band, and of the sums of products
 
 // A Linearised holds the equations of all bands for small changes: docs/solve.md, eq. (15). A row of given heat flux
 // emits in all bands as its temperature demands, so that each band's irradiation changes the radiosities of all.
@@ -79,7 +79,7 @@ class Linearised {
     const RowVectorXd goals = residual * sizes(b);
     RowVectorXd rho = dots(shadow, r);
     for (uint32_t step = 0; (sizes(r).array() > goals.array()).any(); ++step) {
-      if (step == kMostSteps || !rho.allFinite())
+      if (step == kMostBandSteps || !rho.allFinite())
         throw Error(ErrorCode::limit,
                     "the equations of all bands were not solved; emissivities are too small, or rows see too little: "
                     "give them more, or leave such rows out");
@@ -178,7 +178,7 @@ class PeeledBands {
     Columns h = Columns::Zero(closed_.areas.size(), bands);
     Columns off = lackOf(h);
     const Linearised at_first(exchange_, state_);  // whose weights measure all residuals
-    const double goal = residual * at_first.sizes(off)[0] + kRounding * at_first.sizes(emissions())[0];
+    const double goal = residual * at_first.sizes(off)[0] + kSumRounding * at_first.sizes(emissions())[0];
     if (guess.size() > 0) off = lackOf(h = guess);
     double size = at_first.sizes(off)[0];
     for (int step = 0; size > goal; ++step) {
@@ -187,7 +187,7 @@ class PeeledBands {
       const Columns before = h;
       const Columns change = Linearised(exchange_, state_).solve(off, inner, steps_);
       double share = 1, now = INFINITY;
-      for (int halving = 0; halving < kMostHalvings && !(now < size); ++halving, share /= 2) {
+      for (int halving = 0; halving < kMostStepHalvings && !(now < size); ++halving, share /= 2) {
         h = before + share * change;
         off = lackOf(h);
         now = at_first.sizes(off)[0];

@@ -15,12 +15,10 @@ namespace viewpeel {
 namespace {
 
 using Eigen::VectorXd;
-using Outside = ExchangeProducts::Outside;
 
 // A square of the median area of polygons has this many spacings to its side. With half as many, errors double while
 // the time halves, and answers have a bias; with twice as many, further directions would gain as much (docs/solve.md).
 constexpr double kSpacingsPerSide = 2;
-constexpr double kBeyondDoubt = 4.5;  // standard errors of an environment that is real, as in closeRows
 
 }  // namespace
 
@@ -46,7 +44,7 @@ std::span<const Direction> PeeledExchange::replicate(uint32_t r) const {
 }
 
 Columns PeeledExchange::multiplyOpen(std::span<const Direction> directions, const Columns& v,
-                                     std::vector<Outside>* outside) {
+                                     std::vector<ExchangeProducts::Outside>* outside) {
   batch_directions_ = directions.size();
   const auto columns = static_cast<size_t>(v.cols());
   std::vector<double> products = products_->multiply(directions, {v.data(), v.data() + v.size()}, columns, outside);
@@ -56,7 +54,7 @@ Columns PeeledExchange::multiplyOpen(std::span<const Direction> directions, cons
          (2 * products_->unitArea() * scene_.scale * scene_.scale / double(directions.size()));
 }
 
-void PeeledExchange::requireNoLeak(const std::vector<Outside>& outside) const {
+void PeeledExchange::requireNoLeak(const std::vector<ExchangeProducts::Outside>& outside) const {
   const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / double(directions_.size());
   double leak = 0, largest = 0;
   size_t row = 0;
@@ -78,7 +76,7 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
     }
   }
   const Eigen::Index n = closed_.areas.size();
-  std::vector<Outside> outside(ids_.count());
+  std::vector<ExchangeProducts::Outside> outside(ids_.count());
   VectorXd with_pairs = VectorXd::Zero(n);
   std::vector<double> leaving;  // exchange area of all rows with the environment, by replicate
   const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / directions;
@@ -86,7 +84,7 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   for (uint32_t r = 0; r < kProductReplicateCount; ++r) {
     with_pairs += multiplyOpen(replicate(r), Columns::Ones(n, 1), &outside).col(0) / kProductReplicateCount;
     double lines = 0;
-    for (const Outside& of_row : outside) lines += of_row.ahead + of_row.behind;
+    for (const ExchangeProducts::Outside& of_row : outside) lines += of_row.ahead + of_row.behind;
     leaving.push_back((lines - before) * of_count);
     before = lines;
   }
@@ -102,7 +100,7 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   up_share_ = VectorXd::Constant(n, 0.5);
   if (closed_.is_open)
     for (Eigen::Index i = 0; i < n; ++i) {
-      const Outside& of_row = outside[static_cast<size_t>(i)];
+      const ExchangeProducts::Outside& of_row = outside[static_cast<size_t>(i)];
       const double lines = of_row.ahead + of_row.behind;
       closed_.environment[i] = lines * of_count / kProductReplicateCount;
       if (lines > 0) up_share_[i] = of_row.ahead / lines;
@@ -125,7 +123,7 @@ Columns PeeledExchange::multiply(const Columns& v) {
 }
 
 PeeledExchange::Part PeeledExchange::multiplyPart(uint32_t r, const Columns& v) {
-  std::vector<Outside> outside(ids_.count());
+  std::vector<ExchangeProducts::Outside> outside(ids_.count());
   Part part{multiplyOpen(replicate(r), v, &outside), VectorXd::Zero(v.rows()), VectorXd::Zero(v.rows())};
   if (!closed_.is_open) return part;
   const double of_count = 2 * products_->unitArea() * scene_.scale * scene_.scale / double(replicate(r).size());

@@ -10,7 +10,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr uint32_t kMostSteps = 10'000;
+constexpr uint32_t kMostGreySteps = 10'000;
 
 // A Preconditioned solves S h = b for each column by conjugate gradients with the diagonal as preconditioner, all
 // columns in the same sweeps.
@@ -46,7 +46,7 @@ class Preconditioned {
     Eigen::RowVectorXd size = b.cwiseProduct(scale_.asDiagonal() * b).colwise().sum(),
                        rho = r.cwiseProduct(z).colwise().sum();
     for (uint32_t step = 0; (rho.array() > residual * residual * size.array()).any(); ++step) {
-      if (step == kMostSteps)
+      if (step == kMostGreySteps)
         throw Error(ErrorCode::limit,
                     "conjugate gradients did not reach the equations; emissivities are too small, or rows see too "
                     "little: give them more, or leave such rows out");

@@ -16,7 +16,7 @@ namespace {
 
 constexpr double kFirstTolerance = 0.02, kLeastTolerance = 2e-6;
 // The next tolerance aims below the goal for the answers' error, so that chance seldom makes another run necessary.
-constexpr double kMargin = 0.8, kMostReduction = 1e-2, kLeastReduction = 0.7;
+constexpr double kErrorMargin = 0.8, kMostReduction = 1e-2, kLeastReduction = 0.7;
 
 const char* unitOf(HeatTolerance::Of of) {
   return of == HeatTolerance::Of::temperature ? " K" : of == HeatTolerance::Of::heat_flux ? " W/m2" : " of the heat";
@@ -98,7 +98,8 @@ SceneHeat solveScene(const Scene& scene, const MaterialTable& materials, Request
           fmt::format("the tolerance is out of reach: form factors to {:.0e} leave a standard error of {:.2g}{}; "
                       "ask for more",
                       of_form_factors, error, unitOf(tolerance->of)));
-    const double reduction = std::clamp(kMargin * tolerance->standard_error / error, kMostReduction, kLeastReduction);
+    const double reduction =
+        std::clamp(kErrorMargin * tolerance->standard_error / error, kMostReduction, kLeastReduction);
     of_form_factors = std::max(of_form_factors * reduction, kLeastTolerance);
   }
 }

@@ -12,14 +12,14 @@ namespace {
 
 using Rows = std::vector<double>;
 
-constexpr int kMostPasses = 20;
-constexpr double kTolerance = 0.1;  // of the standard error of a row sum
-constexpr double kMostTilt = 1;     // greatest |y|
+constexpr int kMostNewtonPasses = 20;
+constexpr double kRowTolerance = 0.1;  // of the standard error of a row sum
+constexpr double kMostCountTilt = 1;   // greatest |y|
 
-class Calibration {
+class CountCalibration {
  public:
-  Calibration(const std::vector<FormFactors::Entry>& entries, const std::vector<bool>& is_counted, double most,
-              const Ids& ids, const std::vector<Measured>& rows, const std::vector<Measured>& counted_rows)
+  CountCalibration(const std::vector<FormFactors::Entry>& entries, const std::vector<bool>& is_counted, double most,
+                   const Ids& ids, const std::vector<Measured>& rows, const std::vector<Measured>& counted_rows)
       : entries_(entries),
         is_counted_(is_counted),
         most_(most),
@@ -31,14 +31,14 @@ class Calibration {
       const double error = rows[i].standard_error, of_counts = counted_rows[i].standard_error;
       if (!(error > 0) || !ids.isRequested(i)) continue;
       goal_[i] = (1 - rows[i].value) * ids.areas[i] * std::min(1.0, of_counts * of_counts / (error * error));
-      tolerance_[i] = kTolerance * error * ids.areas[i];
+      tolerance_[i] = kRowTolerance * error * ids.areas[i];
     }
   }
 
   // Finds y by Newton's method, in all rows at once.
   void solve() {
-    for (int pass = 0; pass < kMostPasses; ++pass)
-      if (!stepRows(evaluate(), goal_, tolerance_, INFINITY, kMostTilt, y_)) return;
+    for (int pass = 0; pass < kMostNewtonPasses; ++pass)
+      if (!stepRows(evaluate(), goal_, tolerance_, INFINITY, kMostCountTilt, y_)) return;
   }
 
   Rows factors() const {
@@ -95,7 +95,7 @@ FormFactors calibrateCounts(FormFactors all, const std::vector<LinePair>& with_l
   std::vector<Measured> rows = all.rowSums();
   std::vector<FormFactors::Entry> entries = std::move(all).entries();
   const std::vector<bool> is_counted = findCounted(entries, with_lines);
-  Calibration calibration(entries, is_counted, most, ids, rows, counted_rows);
+  CountCalibration calibration(entries, is_counted, most, ids, rows, counted_rows);
   calibration.solve();
   const Rows factors = calibration.factors();
   for (size_t k = 0; k < entries.size(); ++k)

@@ -25,9 +25,9 @@ double tilt(double visibility, double odds_factor) {
   return visibility * odds_factor / (1 - visibility + visibility * odds_factor);
 }
 
-class Calibration {
+class RowCalibration {
  public:
-  Calibration(const std::vector<Entry>& entries, const std::vector<Guess>& guesses, const Rows& areas)
+  RowCalibration(const std::vector<Entry>& entries, const std::vector<Guess>& guesses, const Rows& areas)
       : entries_(entries), guesses_(guesses), goal_(areas.size()), tolerance_(areas.size()), y_(areas.size(), 0) {
     Rows missing = areas, together(areas.size()), measured(areas.size()), room_up(areas.size()),
          room_down(areas.size());
@@ -88,7 +88,7 @@ class Calibration {
 
 void calibrateRows(std::vector<Entry>& entries, const std::vector<Guess>& guesses, const std::vector<double>& areas) {
   if (guesses.empty()) return;
-  Calibration calibration(entries, guesses, areas);
+  RowCalibration calibration(entries, guesses, areas);
   calibration.solve();
   for (const Guess& guess : guesses) {
     double& value = entries[guess.entry].exchange_area.value;

@@ -15,7 +15,6 @@ using glm::dot, glm::cross, glm::dvec3;
 
 namespace {
 
-constexpr uint32_t kGradedRule = kLineRules - 1;
 constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
 constexpr double kUnit = 2.2e-16;    // relative rounding of double precision
 constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well

@@ -21,8 +21,8 @@ using glm::dot, glm::cross;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kUnit = 2.2e-16;  // relative rounding of double precision
-constexpr size_t kChunk = 256;     // pairs that a thread takes at once
+constexpr double kUnitRounding = 2.2e-16;  // relative rounding of double precision
+constexpr size_t kChunk = 256;             // pairs that a thread takes at once
 
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
@@ -169,8 +169,8 @@ HostUnoccluded::Sides HostUnoccluded::sidesOf(const SidePair& pair) const {
 double HostUnoccluded::roundingOf(const Sides& sides) {
   constexpr double kSteps = 64;
   const auto meanOf = [](const Depths& depths) { return 0.25 * (depths[0] + depths[1] + depths[2] + depths[3]); };
-  return kUnit * (kSteps + 8 * sides.a.radius / sides.a.area + 8 * sides.b.radius / sides.b.area + 8 / sides.distance +
-                  4 / meanOf(sides.depths_a) + 4 / meanOf(sides.depths_b));
+  return kUnitRounding * (kSteps + 8 * sides.a.radius / sides.a.area + 8 * sides.b.radius / sides.b.area +
+                          8 / sides.distance + 4 / meanOf(sides.depths_a) + 4 / meanOf(sides.depths_b));
 }
 
 // Returns how a pair is integrated: the number of its product rule, kNearList where it is integrated along its
@@ -360,7 +360,7 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, Lines lines, Un
   }
   // A corner that moves by its rounding moves the contour of its polygon; no point of it exchanges more than 1. More
   // points of a rule would not reduce this error, so is_reached is decided without it.
-  found.error += 8 * kUnit * (sides.a.radius + sides.b.radius);
+  found.error += 8 * kUnitRounding * (sides.a.radius + sides.b.radius);
   return found;
 }
 

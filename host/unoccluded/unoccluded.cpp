@@ -34,7 +34,6 @@ namespace {
 
 using namespace unoccluded_data;
 
-constexpr uint32_t kGradedRule = kLineRules - 1;
 const std::array<const char*, 1 + kFarRules> kChunkPasses = {"classify", "far 2", "far 3", "far 4", "far 5", "far 6"};
 const std::array<const char*, 3> kNearPasses = {"edges", "line", "sum"};
 

@@ -57,12 +57,12 @@ uint chooseRule(EdgeData p, EdgeData q, double together, out double error) {
   dvec3 from = p.start + 0.5LF * p.along - q.start;
   dvec3 off = from - q.along * clamp(dot(from, q.along) / square_q, 0.0LF, 1.0LF);
   double clear = 2.0LF * sqrt(dot(off, off) / square_p);
-  uint rule = clear > 12.0LF ? 0u : clear > 3.5LF ? 1u : clear > 1.5LF ? 2u : kLineRules - 1u;
+  uint rule = clear > 12.0LF ? 0u : clear > 3.5LF ? 1u : clear > 1.5LF ? 2u : kGradedRule;
   double axes = clear + sqrt(max(clear * clear - 1.0LF, 0.0LF)), shrinks = 1.0LF / (axes * axes), plain_error = 4.0LF;
   for (uint k = 0u; k < args.plain_points[0]; ++k) plain_error *= shrinks;
   if (rule != 0u)
     for (uint k = args.plain_points[0]; k < args.plain_points[min(rule, 2u)]; ++k) plain_error *= shrinks;
-  error = (rule < kLineRules - 1u ? plain_error : args.graded_error) * abs(together);
+  error = (rule < kGradedRule ? plain_error : args.graded_error) * abs(together);
   return rule;
 }
 

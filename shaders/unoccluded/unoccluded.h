@@ -53,6 +53,7 @@ struct WorkList {
 const uint kWorkListBytes = 16u;
 
 const uint kLineRules = 4u;  // three plain Gauss rules and a graded one, see host/unoccluded/line_rules.h
+const uint kGradedRule = kLineRules - 1u;
 
 // There is a list of pairs for each product rule, and a last one of pairs that are integrated along their contours.
 const uint kNearList = kFarRules;
