@@ -1,8 +1,12 @@
 """These scenes are shared by tests."""
 
 import os
+import signal
 
 import numpy
+
+# Some tests send themselves Ctrl-C. A shell lets processes in the background ignore it, and the runs would not end.
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 SOURCE = os.environ["VIEWPEEL_SOURCE"]
 PROGRAM = os.environ["VIEWPEEL_PROGRAM"]
