@@ -16,7 +16,7 @@ namespace {
 
 // No polygon asks for a finer lattice than this. Windows have the base resolution times powers of 4, and so end below
 // 2^16, where snapped corners still have 9 bits for fractions of a spacing.
-constexpr double kFinestWindow = 1 << 14;
+constexpr double kFinestWindowResolution = 1 << 14;
 constexpr double kBaseShare = 0.9;  // the whole scene's lattice is fine enough for this share of all area
 constexpr uint32_t kPilotBlocks = 24, kPilotBlockDirections = 8;
 constexpr std::array kRanges = {5.0, 3.5, 2.8, 2.4, 2.2};  // ranges M of eq. (27) that are tried
@@ -27,7 +27,7 @@ constexpr uint64_t kFewestBlocks = 8;  // fewer blocks give too rough a standard
 constexpr double kDearer = 1.5;
 
 // Returns the resolution at which the range of each polygon's id is at most `range`: double[polygon]. No resolution is
-// above kFinestWindow.
+// above kFinestWindowResolution.
 std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, Sampling sampling) {
   // The terms of eq. (27), or (28), are summed over an id's polygons: 2 A + slope h + number h^2 = range A has one
   // positive root h. The slope is the sum of perimeters, or with scanlines 2.01 times the sum of diameters, where the
@@ -44,7 +44,7 @@ std::vector<double> neededFor(const Scene& scene, const Ids& ids, double range, 
   for (uint32_t id : ids.of_polygon) {
     const double c = (range - 2) * areas[id],
                  h = 2 * c / (slopes[id] + std::sqrt(slopes[id] * slopes[id] + 4 * numbers[id] * c));
-    needed.push_back(std::min(2 / h, kFinestWindow));
+    needed.push_back(std::min(2 / h, kFinestWindowResolution));
   }
   return needed;
 }

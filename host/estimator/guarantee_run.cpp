@@ -9,8 +9,8 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint64_t kDirectionsOfCall =
-    512;  // one engine call counts blocks with up to this number of directions in all
+// One engine call counts blocks with up to this number of directions in all.
+constexpr uint64_t kDirectionsOfCall = 512;
 
 std::vector<PairCounts> mergeIdsOfAll(const std::vector<PairCounts>& runs, const std::vector<uint32_t>& id_map) {
   std::vector<PairCounts> merged;

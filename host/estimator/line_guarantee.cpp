@@ -13,8 +13,8 @@ namespace viewpeel {
 namespace {
 
 constexpr size_t kEntriesAtOnce = 16;  // entries that a thread takes at once
-constexpr size_t kEntriesOfCall =
-    1 << 16;  // entries whose lines are drawn in one call, so that tasks take few megabytes
+// Lines of this number of entries are drawn in one call, so that tasks take few megabytes.
+constexpr size_t kEntriesOfCall = 1 << 16;
 
 double linesOfPart(double exchange, double weight) { return std::max(1.0, std::ceil(exchange / weight)); }
 

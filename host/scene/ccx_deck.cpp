@@ -21,8 +21,8 @@ namespace viewpeel {
 namespace {
 
 constexpr int kMostIncludes = 16;  // depth to which included files may include others
-constexpr double kElementFlatness =
-    1e-6;  // a face is curved if a corner is farther from its mean plane than this times its size
+// A face is curved if a corner is farther from its mean plane than this times its size.
+constexpr double kElementFlatness = 1e-6;
 constexpr uint64_t kMostGenerated = 1u << 30;
 
 // Splits a line at commas. As CalculiX does, it removes all blanks and turns letters into capitals.

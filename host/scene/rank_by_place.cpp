@@ -14,11 +14,11 @@ namespace {
 
 constexpr double kOrientation = 2;  // factor of the normal's coordinates beside the centroid's
 
-using BoxPlace = std::array<double, 6>;
+using PolygonPlace = std::array<double, 6>;
 
-void halve(std::span<uint32_t> ids, const std::vector<BoxPlace>& places) {
+void halve(std::span<uint32_t> ids, const std::vector<PolygonPlace>& places) {
   if (ids.size() < 2) return;
-  BoxPlace least, greatest;
+  PolygonPlace least, greatest;
   least.fill(std::numeric_limits<double>::infinity());
   greatest.fill(-std::numeric_limits<double>::infinity());
   for (uint32_t id : ids)
@@ -40,7 +40,7 @@ void halve(std::span<uint32_t> ids, const std::vector<BoxPlace>& places) {
 }  // namespace
 
 std::vector<uint32_t> rankByPlace(const Scene& scene, const std::vector<uint32_t>& id_of_polygon, uint32_t count) {
-  std::vector<BoxPlace> places(count, BoxPlace{});
+  std::vector<PolygonPlace> places(count, PolygonPlace{});
   std::vector<double> areas(count, 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) {
     const Polygon& polygon = scene.polygons[k];
@@ -50,7 +50,7 @@ std::vector<uint32_t> rankByPlace(const Scene& scene, const std::vector<uint32_t
     const glm::dvec3 normal =
         scene.planes[polygon.plane].normal * (polygon.front_along_plane_normal ? kOrientation : -kOrientation);
     const double area = polygon.area;
-    BoxPlace& place = places[id_of_polygon[k]];
+    PolygonPlace& place = places[id_of_polygon[k]];
     for (int axis = 0; axis < 3; ++axis) {
       place[static_cast<size_t>(axis)] += area * middle[axis];
       place[static_cast<size_t>(axis) + 3] += area * normal[axis];

@@ -13,8 +13,8 @@ namespace {
 
 using glm::dvec3;
 
-constexpr double kLeastSightCosine =
-    0.01;  // at smaller cosines the hits of coincident polygons may be far apart on a ray
+// At smaller cosines the hits of coincident polygons may be far apart on a ray.
+constexpr double kLeastSightCosine = 0.01;
 constexpr double kStepBack = 2 * kCoincidenceReach / kLeastSightCosine;
 
 }  // namespace

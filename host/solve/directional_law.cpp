@@ -15,7 +15,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180, kGainRounding = 1e-12;
+constexpr double kDegree = std::numbers::pi / 180, kEmissivityRounding = 1e-12;
 constexpr const char* kHeader = "angle_degrees,relative_emissivity";
 
 // Returns the integral of g sin(2 angle) over all angles, the mean of g weighted by the cosine: eq. (57). g is linear
@@ -75,7 +75,7 @@ std::string findFault(const DirectionalLaw& law) {
 
 std::string findExcess(double emissivity, const DirectionalLaw& law) {
   const double largest = RelativeEmissivity(law).largest();
-  if (emissivity * largest <= 1 + kGainRounding) return "";
+  if (emissivity * largest <= 1 + kEmissivityRounding) return "";
   return fmt::format(
       "a hemispherical emissivity of {} would be {:.4g} at the angle of most emission, above 1; give "
       "{:.6g} at most, or another directional law",
