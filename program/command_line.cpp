@@ -10,7 +10,7 @@
 namespace viewpeel::program {
 namespace {
 
-std::string kept_line, kept_program_name;
+std::string kept_line, kept_command;
 std::vector<GivenOption> kept_options;
 
 bool isText(const CLI::Option& option) {
@@ -40,7 +40,7 @@ void keepCommandLine(int argc, const char* const* argv) {
 void keepOptions(const CLI::App& app) {
   if (app.get_subcommands().empty()) return;
   const CLI::App& command = *app.get_subcommands().front();
-  kept_program_name = command.get_name();
+  kept_command = command.get_name();
   for (const CLI::Option* option : command.get_options()) {
     const std::string name = option->get_lnames().empty() ? option->get_name() : option->get_lnames().front();
     const bool is_flag = option->get_expected_max() == 0;
@@ -52,7 +52,7 @@ void keepOptions(const CLI::App& app) {
 }
 
 std::string commandLine() { return kept_line; }
-const std::string& commandName() { return kept_program_name; }
+const std::string& commandName() { return kept_command; }
 const std::vector<GivenOption>& givenOptions() { return kept_options; }
 
 }  // namespace viewpeel::program

@@ -23,7 +23,7 @@ constexpr double kRayMargin = 1.15;
 // PlannedRays are numbers of rays in a replicate, uint32_t[faces] as RayEngine::setRays() takes them.
 struct PlannedRays {
   std::vector<uint32_t> outside;  // so that most rows have their environment and leak within the goals
-  // So that form factors between surfaces are within the goals, too, where rays count all pairs. Empty unless
+  // These numbers keep form factors between surfaces within the goals, too, where rays count all pairs. Empty unless
   // mayHaveRaysAlone().
   std::vector<uint32_t> alone;
 };

@@ -16,7 +16,6 @@ using glm::dot, glm::cross, glm::dvec3;
 namespace {
 
 constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
-constexpr double kUnit = 2.2e-16;    // relative rounding of double precision
 constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
 
 // Returns the inner integral of docs/method.md, eq. (38), over the edge q, for one point of p. The integrand is
@@ -63,7 +62,7 @@ double raised(double x, uint32_t n) {
 }  // namespace
 
 bool areParallel(const dvec3& p, const dvec3& q) {
-  constexpr double kSine = 8 * kUnit;
+  constexpr double kSine = 8 * kUnitRounding;
   const dvec3 across = cross(p, q);
   return dot(across, across) <= kSine * kSine * dot(p, p) * dot(q, q);
 }
@@ -81,7 +80,7 @@ double integrateParallel(const Edge& p, const Edge& q, double& error) {
     const double radius = x * x + square, logarithm = 0.25 * std::log(std::max(radius, kLeast)),
                  turn = h > 0 ? h * x * std::atan(x / h) : 0;
     sum += sign * ((x * x - square) * logarithm - 0.25 * x * x + turn);
-    error += kSteps * kUnit * (radius * (std::abs(logarithm) + 1) + std::abs(turn));
+    error += kSteps * kUnitRounding * (radius * (std::abs(logarithm) + 1) + std::abs(turn));
   };
   add(last, 1);
   add(first, -1);
@@ -131,7 +130,7 @@ double EdgeRules::integrate(Edge p, Edge q, size_t round, double& error) const {
     sum += length * part;
   }
   const double factor = dot(p.along, direction);
-  error += kUnit * std::abs(factor) * greatest;
+  error += kUnitRounding * std::abs(factor) * greatest;
   return factor * sum;
 }
 

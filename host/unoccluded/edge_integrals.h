@@ -11,6 +11,8 @@
 
 namespace viewpeel {
 
+constexpr double kUnitRounding = 2.2e-16;  // relative rounding of double precision
+
 struct Edge {
   glm::dvec3 start{0}, along{0};
 };

@@ -21,8 +21,7 @@ using glm::dot, glm::cross;
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kUnitRounding = 2.2e-16;  // relative rounding of double precision
-constexpr size_t kChunk = 256;             // pairs that a thread takes at once
+constexpr size_t kChunk = 256;  // pairs that a thread takes at once
 
 double leastOf(const std::array<double, 4>& v) { return std::min(std::min(v[0], v[1]), std::min(v[2], v[3])); }
 double greatestOf(const std::array<double, 4>& v) { return std::max(std::max(v[0], v[1]), std::max(v[2], v[3])); }
