@@ -28,7 +28,7 @@ constexpr double kMostFacingPairs = 1e8;    // finding what is between more pair
 // Between surfaces a mixture with rays costs these for each face, and for each pair that it finds, beside the rays.
 // They fit cities of 8,936 and 19,994 triangles at 0.1 to 1e-3.
 constexpr double kSecondsOfFaceBesideRays = 3e-4, kSecondsOfPairBesideRays = 1.5e-5;
-constexpr double kSecondsOfRay = 2e-7;    // of rays that run side by side, sixteen at a time
+constexpr double kSecondsOfRay = 1.1e-7;  // of rays that run side by side, sixteen at a time
 constexpr double kWorth = 1.05;           // lines for all pairs may cost this multiple of the mixture's time
 constexpr double kWorthBesideRays = 1.5;  // the same, of a mixture with rays
 constexpr double kSoon = 0.05;            // all pairs get lines where they cost less than this

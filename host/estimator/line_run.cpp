@@ -35,6 +35,8 @@ constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
 constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
+// The same of rays, which take some 2 s of CPU time and have at most as many counts, 500 MB.
+constexpr double kMostRaysAhead = 2e7;
 
 RunSums lineSumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
                             double least_form_factor, const EstimateOptions& options) {
@@ -288,8 +290,8 @@ double LineRun::furtherLines() const {
   return lines;
 }
 
-// Returns how many of the planned replicates have their lines drawn at once: one where there is a time limit, and few
-// where lines are many, for meanwhile a run can neither end nor be saved.
+// Returns how many of the planned replicates have their lines and rays drawn at once: one where there is a time limit,
+// and few where there are many lines or rays, for meanwhile a run can neither end nor be saved.
 size_t LineRun::replicatesAhead() const {
   const uint64_t done = sums_.replicateCount();
   if (options_.seconds || done >= options_.replicates) return 1;
@@ -298,48 +300,60 @@ size_t LineRun::replicatesAhead() const {
     lines += pair.linesIn(1);
     if (pair.blocks) counts += 1.0 / pair.period;
   }
-  const double most = std::min(kMostLinesAhead / std::max(lines, 1.0), kMostCountsAhead / std::max(counts, 1.0));
+  double most = std::min(kMostLinesAhead / std::max(lines, 1.0), kMostCountsAhead / std::max(counts, 1.0));
+  if (options_.rays) most = std::min(most, kMostRaysAhead / options_.rays->raysOfReplicate(options_.directions));
   return std::clamp<size_t>(static_cast<size_t>(most), 1, options_.replicates - done);
 }
 
 void LineRun::step() {
   const uint64_t replicate = options_.first_replicate + sums_.replicateCount();
-  const std::vector<LinePair>& pairs = sums_.lines->pairs();
-  if (is_further_) ahead_.assign(1, lines_.count(pairs, replicate, further_));
-  else if (ahead_.empty()) {
-    std::vector<LineCounts> drawn = lines_.countAhead(pairs, replicate, replicatesAhead());
-    ahead_.assign(std::move_iterator(drawn.begin()), std::move_iterator(drawn.end()));
-  }
-  if (is_further_ && hasFurtherRays()) castFurtherRays(replicate, ahead_.front());
+  if (is_further_) ahead_.assign(1, {lines_.count(sums_.lines->pairs(), replicate, further_), std::nullopt});
+  else if (ahead_.empty()) drawAhead(replicate);
+  if (is_further_ && hasFurtherRays()) castFurtherRays(replicate, ahead_.front().lines);
   else addReplicate(replicate, ahead_.front());
   ahead_.pop_front();
   measureErrors();
 }
 
-// Counts along common directions, or along all rays, and adds a replicate.
-void LineRun::addReplicate(uint64_t replicate, const LineCounts& lines) {
-  PairCounts common;
-  if (options_.directions) common = engine_.count(directionsOf(replicate));
-  leaveOutPairsWithLines(common, *sums_.lines);
+// Draws the lines of the next planned replicates, and their rays: rays of several replicates take less time together.
+void LineRun::drawAhead(uint64_t replicate) {
+  const size_t replicates = replicatesAhead();
+  std::vector<LineCounts> lines = lines_.countAhead(sums_.lines->pairs(), replicate, replicates);
+  for (LineCounts& of_replicate : lines) ahead_.push_back({std::move(of_replicate), std::nullopt});
+  if (!options_.rays) return;
+  std::vector<PairCounts> rays = engine_.countBlocks(directionsOf(replicate, replicates), options_.directions);
+  for (size_t k = 0; k < replicates; ++k) ahead_[k].counts = std::move(rays[k]);
+}
+
+// Adds a replicate. Common directions are counted first, and rays that were not drawn ahead.
+void LineRun::addReplicate(uint64_t replicate, Ahead& drawn) {
+  PairCounts counts;
+  if (drawn.counts) counts = std::move(*drawn.counts);
+  else if (options_.directions) counts = engine_.count(directionsOf(replicate, 1));
+  leaveOutPairsWithLines(counts, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
-  sums_.addLines(replicate, common, options_.directions, lines);
+  sums_.addLines(replicate, counts, options_.directions, drawn.lines);
 }
 
 // Adds replicates in which only the rows that miss the goal have rays. The first one has the lines.
 void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
   const uint32_t most = std::max(1u, std::ranges::max(further_rays_));
-  std::vector<std::vector<bool>> rows(most);
-  std::vector<PairCounts> counts;
-  for (uint32_t k = 0; k < most; ++k) {
-    for (const uint32_t replicates : further_rays_) rows[k].push_back(k < replicates);
-    counts.push_back(options_.rays->countOutside(directionsOf(replicate + k), rows[k]));
+  const std::vector<PairCounts> counts =
+      options_.rays->countOutside(directionsOf(replicate, most), options_.directions, further_rays_);
+  for (uint32_t k = 0; k < most; ++k) {  // comes last, for counting may be stopped
+    std::vector<bool> rows;
+    for (const uint32_t replicates : further_rays_) rows.push_back(k < replicates);
+    sums_.addOutside(replicate + k, counts[k], options_.directions, k == 0 ? lines : LineCounts(), rows);
   }
-  for (uint32_t k = 0; k < most; ++k)  // comes last, for counting may be stopped
-    sums_.addOutside(replicate + k, counts[k], options_.directions, k == 0 ? lines : LineCounts(), rows[k]);
 }
 
-std::vector<Direction> LineRun::directionsOf(uint64_t replicate) const {
-  return sampleDirections(options_.sampler, options_.directions, options_.seed, replicate);
+// Returns the directions of replicates, one after another.    In: replicate: the first
+std::vector<Direction> LineRun::directionsOf(uint64_t replicate, size_t replicates) const {
+  std::vector<Direction> directions;
+  for (size_t k = 0; k < replicates; ++k)
+    std::ranges::copy(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate + k),
+                      std::back_inserter(directions));
+  return directions;
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -38,6 +38,11 @@ class LineRun {
   Estimate estimate() const;
 
  private:
+  // Ahead is what has been drawn of a replicate before it is added.
+  struct Ahead {
+    LineCounts lines;
+    std::optional<PairCounts> counts;  // along its rays
+  };
   void measureErrors();
   void measureErrorsOfMixture();
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
@@ -52,8 +57,9 @@ class LineRun {
   size_t replicatesAhead() const;
   // After the planned replicates only the environment and the leak of rows that miss the goal get rays.
   bool hasFurtherRays() const { return options_.rays && options_.by == By::polygon; }
-  std::vector<Direction> directionsOf(uint64_t replicate) const;
-  void addReplicate(uint64_t replicate, const LineCounts& lines);
+  std::vector<Direction> directionsOf(uint64_t replicate, size_t replicates) const;
+  void drawAhead(uint64_t replicate);
+  void addReplicate(uint64_t replicate, Ahead& drawn);
   void castFurtherRays(uint64_t replicate, const LineCounts& lines);
 
   Engine& engine_;
@@ -66,7 +72,7 @@ class LineRun {
   bool is_further_ = false;  // whether the next replicate is a further one, for the planned ones miss the goal
   // further_[k] is how many times pair k draws its planned lines in that replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
-  std::deque<LineCounts> ahead_;        // of the next replicates, whose lines are drawn already
+  std::deque<Ahead> ahead_;             // the next replicates
   std::vector<uint32_t> further_rays_;  // by row, in how many of the next replicates it has rays, where there are rays
   bool needs_directions_ = false;       // whether counts of common directions err by more than the goal allows
   bool is_reached_ = false;             // whether all pairs have the lines, and the directions, that their goal needs

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
+#include <span>
 
 #include "directions/replicates.h"
 #include "directions/sampler.h"
@@ -94,16 +96,16 @@ PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
   std::vector<Row> environment(row_count), leak(row_count);
   std::vector<double> largest;
-  const std::vector<bool> all_faces(row_of_face.size(), true);
-  for (uint32_t replicate = 0; replicate < kRayPilotReplicates; ++replicate) {
+  std::vector<Direction> directions;
+  for (uint32_t replicate = 0; replicate < kRayPilotReplicates; ++replicate)
+    std::ranges::copy(sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate),
+                      std::back_inserter(directions));
+  if (may_be_alone)
+    largest = largestShares(engine.count(std::span(directions).first(kPilotRays)), row_of_face, areas, count_area);
+  const std::vector<uint32_t> all_blocks(row_of_face.size(), kRayPilotReplicates);
+  for (const PairCounts& counts : engine.countOutside(directions, kPilotRays, all_blocks)) {
     std::vector<double> left(row_count), leaked(row_count);
-    const std::vector<Direction> directions =
-        sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate);
-    const bool has_pairs = may_be_alone && replicate == 0;
-    const PairCounts counts = has_pairs ? engine.count(directions) : engine.countOutside(directions, all_faces);
-    if (has_pairs) largest = largestShares(counts, row_of_face, areas, count_area);
     for (const PairCount& count : counts) {
-      if (count.j < kEnvironment) continue;
       const uint32_t row = row_of_face[count.i];
       (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
     }

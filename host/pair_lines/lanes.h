@@ -151,6 +151,13 @@ VIEWPEEL_INLINE Lanes load(const Number* from) {
   });
 }
 
+// Writes numbers one after another.
+template <class Lanes, class Number>
+VIEWPEEL_INLINE void store(const Lanes& lanes, Number* to) {
+  for (int k = 0; k < Lanes::kPieces; ++k)
+    *reinterpret_cast<typename Lanes::StoredPiece*>(to + k * Lanes::kInPiece) = lanes.of[k];
+}
+
 // Returns x where the condition is above 0, else 0.
 template <class Floats>
 VIEWPEEL_INLINE Floats keep(const Floats& condition, const Floats& x) {
@@ -176,15 +183,6 @@ VIEWPEEL_INLINE uint32_t bitsAtMost(const Doubles& x, double limit) {
   int64_t bits = 0;
   for (int k = 0; k < kInPiece; ++k) bits |= all[k];
   return static_cast<uint32_t>(bits);
-}
-
-// Returns whether any lane is not 0.
-template <class Floats>
-VIEWPEEL_INLINE bool isAny(const Floats& x) {
-  uint64_t words[kLineLanes / 2], any = 0;
-  std::memcpy(words, x.of, sizeof words);
-  for (const uint64_t word : words) any |= word;
-  return any != 0;
 }
 
 // Returns the sum of all lanes. It adds lanes 8 apart first, then 4, 2 and 1, as the shaders do.
@@ -227,6 +225,36 @@ VIEWPEEL_INLINE typename Words::Floats numberOf(const Words& bits) {
   return Floats::make([&](int k) __attribute__((always_inline)) { return (typename Floats::Piece)bits.of[k]; });
 }
 VIEWPEEL_INLINE float numberOf(uint32_t bits) { return std::bit_cast<float>(bits); }
+
+// Returns whether any bit of a piece is set. Halves are joined, for GCC takes a larger vector apart word by word.
+template <class Piece>
+VIEWPEEL_INLINE bool isAnyBit(const Piece& piece) {
+  constexpr int kHalf = int(sizeof(Piece)) / 2;
+  if constexpr (kHalf > 8) {
+    using Half = typename LanesOf<uint64_t, kHalf / 8, kHalf>::Piece;
+    Half halves[2];
+    std::memcpy(halves, &piece, sizeof piece);
+    const Half both = halves[0] | halves[1];
+    return isAnyBit(both);
+  } else {
+    uint64_t halves[2];
+    std::memcpy(halves, &piece, sizeof piece);
+    return (halves[0] | halves[1]) != 0;
+  }
+}
+// Returns whether any lane is not 0.
+template <class Floats>
+VIEWPEEL_INLINE bool isAny(const Floats& x) {
+  auto all = bitsOf(x).of[0];
+  for (int k = 1; k < Floats::kPieces; ++k) all |= bitsOf(x).of[k];
+  return isAnyBit(all);
+}
+
+// Returns x where the sign of y is plus, and -x where it is minus.
+template <class Floats>
+VIEWPEEL_INLINE Floats withSign(const Floats& x, const Floats& y) {
+  return numberOf(bitsOf(x) ^ (bitsOf(y) & 0x80000000u));
+}
 
 // Returns 1 / x for x in [2^-125, 2^125], to 3e-7 of itself. The bits of x make a first guess, and each of Newton's
 // steps squares its error.

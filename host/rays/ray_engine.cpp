@@ -4,7 +4,6 @@
 #include <array>
 #include <bit>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -12,9 +11,9 @@
 
 #include <glm/glm.hpp>
 
+#include "rays/ray_bundle.h"
 #include "rays/ray_tree.h"
 #include "hash.h"
-#include "pair_lines/sobol_points.h"
 #include "scene/coincident.h"
 #include "scene/perimeter.h"
 #include "scene/polygon_tree.h"
@@ -35,6 +34,7 @@ constexpr double kLeastSize = 1e-6;        // root of the least area of a polygo
 constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single precision
 constexpr double kUnitShare = 0x1p-14;     // of the smallest polygon's area: what one count stands for
 constexpr size_t kChunk = 16;              // polygons that a thread takes at once
+constexpr double kMostHits = 1 << 24;      // numbers of hits that threads keep, by block and polygon
 constexpr float kLeastRoot = 1e-12f;       // numbers are raised to it before their root is taken
 
 // Returns the square root of numbers from 0 to 1.
@@ -76,44 +76,60 @@ class TreeRayEngine : public RayEngine {
  public:
   TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
-  PairCounts count(std::span<const Direction> directions) override { return countFrom(directions, nullptr); }
-  PairCounts countOutside(std::span<const Direction> directions, const std::vector<bool>& rows) override {
-    return countFrom(directions, &rows);
+  PairCounts count(std::span<const Direction> directions) override {
+    return directions.empty() ? PairCounts{} : std::move(countFrom(directions, directions.size(), nullptr).front());
+  }
+  std::vector<PairCounts> countBlocks(std::span<const Direction> directions, size_t block_directions) override;
+  std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions,
+                                       const std::vector<uint32_t>& blocks) override {
+    return countFrom(directions, block_directions, &blocks);
   }
   void setRays(std::vector<uint32_t> rays) override { rays_ = std::move(rays); }
   const std::vector<uint32_t>& rays() const override { return rays_; }
+  double raysOfReplicate(size_t directions) const override {
+    double rays = 0;
+    for (const uint32_t id : ids_.of_polygon) rays += raysOf(id, directions);
+    return rays;
+  }
   double unitArea() const override { return unit_; }
   std::string describePlan() const override { return "rays of each polygon's own\n"; }
 
  private:
-  // Hits are the ends of a polygon's rays.
+  // Hits are the ends of a polygon's rays of one block.
   struct Hits {
-    std::vector<uint32_t> of_polygon;  // by polygon: rays that end on it
+    std::vector<uint32_t> of_polygon;  // by polygon: rays that end on it; empty where only the outside counts
     std::vector<uint32_t> polygons;    // with rays, in any order
     uint64_t environment = 0, leak = 0;
   };
-  // Points are binary digits of Sobol' points. Sixteen neighbours have nearly the same direction, so that their rays go
-  // through the same boxes.
-  struct Points {
-    explicit Points(uint32_t count);
-    uint32_t count;
-    std::array<std::vector<uint32_t>, 4> digits;
+  // A Worker is what one thread needs, and what it has counted.
+  struct Worker {
+    RayBundle bundle;
+    std::vector<Hits> hits;          // by block, of one polygon
+    std::vector<PairCounts> counts;  // by block
+  };
+  // A Series is what the directions of a block say: which random numbers its rays take.
+  struct Series {
+    uint64_t seed;
+    double weight;  // mean weight of a direction
   };
   Emitter emitterOf(uint32_t polygon, bool from_front, const PolygonTree& near) const;
   uint32_t raysOf(uint32_t id, size_t directions) const {
     return rays_.empty() ? static_cast<uint32_t>(directions) : rays_[id];
   }
-  PairCounts countFrom(std::span<const Direction> directions, const std::vector<bool>* rows);
+  std::vector<PairCounts> countFrom(std::span<const Direction> directions, size_t block_directions,
+                                    const std::vector<uint32_t>* blocks);
+  void drawDigits(uint32_t points);
+  void castFrom(size_t emitter, uint32_t rays, std::span<const Series> blocks, Worker& worker) const;
+  void castBundle(size_t emitter, Worker& worker) const;
   template <class Floats>
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
-  template <class Types>
-  void cast(const Emitter& from, uint32_t plane, const Points& points, const std::array<uint32_t, 4>& scrambles,
-            Hits& hits) const;
-  template <class Types>
-  void castFromNarrow(uint32_t polygon, bool from_front, const Points& points, const std::array<uint32_t, 4>& scrambles,
-                      Hits& hits) const;
-  void addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
-                 PairCounts& counts) const;
+  template <class Floats>
+  void cast(const Emitter& from, uint32_t plane, const RayBundle& bundle, std::vector<Hits>& hits) const;
+  void castFromNarrow(uint32_t polygon, bool from_front, const RayBundle& bundle, std::vector<Hits>& hits) const;
+  static void addHit(uint32_t polygon, Hits& hits) {
+    if (!hits.of_polygon.empty() && hits.of_polygon[polygon]++ == 0) hits.polygons.push_back(polygon);
+  }
+  void addCounts(uint32_t polygon, size_t directions, double weight, Hits& hits, PairCounts& counts) const;
 
   const Scene& scene_;
   const Ids& ids_;
@@ -121,13 +137,14 @@ class TreeRayEngine : public RayEngine {
   const size_t threads_;
   const std::function<void()> stop_;
   const std::function<void(uint64_t)> on_batch_;
+  const Vectors vectors_ = widestVectors();
   const RayTree tree_;
   double unit_;
-  std::vector<Emitter> emitters_;      // by polygon and side
-  std::vector<bool> narrow_;           // by polygon, whether it isNarrow()
-  std::optional<Sight> sight_;         // where there are narrow polygons
-  std::vector<uint32_t> rays_;         // by id, of all sides; empty: as many as directions
-  std::map<uint32_t, Points> points_;  // by their number
+  std::vector<Emitter> emitters_;  // by polygon and side
+  std::vector<bool> narrow_;       // by polygon, whether it isNarrow()
+  std::optional<Sight> sight_;     // where there are narrow polygons
+  std::vector<uint32_t> rays_;     // by id, of all sides; empty: as many as directions
+  RayBundle::Digits digits_;       // of as many Sobol' points as a side has had rays at most
 };
 
 TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
@@ -173,24 +190,11 @@ Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonT
   return emitter;
 }
 
-// Makes points, and sorts them by direction: along a Z curve of their first two numbers, which are height and turn.
-TreeRayEngine::Points::Points(uint32_t number) : count(number) {
-  struct Place {
-    uint64_t at;
-    uint32_t point;
-  };
-  std::vector<Place> places(count);
-  for (uint32_t k = 0; k < count; ++k) {
-    const uint32_t height = kSobol.digitsOf(k, 0), turn = kSobol.digitsOf(k, 1);
-    places[k] = {0, k};
-    for (int bit = 0; bit < 32; ++bit) places[k].at = places[k].at << 2 | (turn >> bit & 1) << 1 | (height >> bit & 1);
-  }
-  std::ranges::sort(places, {}, &Place::at);
-  const size_t whole = (count + kLineLanes - 1) / kLineLanes * kLineLanes;  // the last lanes may be idle
-  for (int d = 0; d < 4; ++d) {
-    digits[d].assign(whole, 0);
-    for (size_t k = 0; k < count; ++k) digits[d][k] = kSobol.digitsOf(places[k].point, d);
-  }
+void TreeRayEngine::drawDigits(uint32_t points) {
+  const size_t whole = (size_t{points} + kLineLanes - 1) / kLineLanes * kLineLanes;
+  for (int d = 0; d < RayBundle::kNumbers; ++d)
+    for (size_t k = digits_[d].size(); k < whole; ++k)
+      digits_[d].push_back(kSobol.digitsOf(static_cast<uint32_t>(k), d));
 }
 
 // Returns sixteen rays.    In: u: four numbers in [0, 1) for each, which give height, turn, and the place of the start
@@ -220,20 +224,47 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
   return rays;
 }
 
-// Casts the rays of one side of a polygon.
-template <class Types>
-[[gnu::always_inline]] inline void TreeRayEngine::cast(const Emitter& from, uint32_t plane, const Points& points,
-                                                       const std::array<uint32_t, 4>& scrambles, Hits& hits) const {
-  using Floats = typename Types::Floats;
+// Casts the rays of one side of a polygon, of all these blocks.    In: rays: of a block
+void TreeRayEngine::castFrom(size_t emitter, uint32_t rays, std::span<const Series> blocks, Worker& worker) const {
+  RayBundle& bundle = worker.bundle;
+  for (uint32_t block = 0; block < blocks.size(); ++block) {
+    const std::array<uint32_t, 4> scrambles = scramblesOf({blocks[block].seed, uint64_t(emitter)});
+    for (uint32_t first = 0; first < rays; first += RayBundle::kFull) {
+      const uint32_t count = std::min(rays - first, RayBundle::kFull);
+      runInLanes(
+          vectors_, [&]<class Types>(Types) __attribute__((always_inline)) {
+            bundle.add<typename Types::Words>(digits_, first, count, scrambles, block);
+          });
+      if (bundle.size() >= RayBundle::kFull) castBundle(emitter, worker);
+    }
+  }
+  if (bundle.size() > 0) castBundle(emitter, worker);
+}
+
+// Casts the rays of a bundle, and clears it.
+void TreeRayEngine::castBundle(size_t emitter, Worker& worker) const {
+  const auto polygon = static_cast<uint32_t>(emitter / sides_);
+  worker.bundle.sort();
+  if (narrow_[polygon]) castFromNarrow(polygon, emitter % sides_ == 0, worker.bundle, worker.hits);
+  else
+    runInLanes(
+        vectors_, [&]<class Types>(Types) __attribute__((always_inline)) {
+          cast<typename Types::Floats>(emitters_[emitter], scene_.polygons[polygon].plane, worker.bundle, worker.hits);
+        });
+  worker.bundle.clear();
+}
+
+template <class Floats>
+[[gnu::always_inline]] inline void TreeRayEngine::cast(const Emitter& from, uint32_t plane, const RayBundle& bundle,
+                                                       std::vector<Hits>& hits) const {
   constexpr float kFarAway = 4;  // the scene lies in the unit ball
-  for (size_t first = 0; first < points.count; first += kLineLanes) {
-    Floats u[4];
-    for (int d = 0; d < 4; ++d)
-      u[d] = scrambled(load<typename Types::Words>(points.digits[d].data() + first), scrambles[d]);
+  for (uint32_t first = 0; first < bundle.size(); first += kLineLanes) {
+    Floats u[RayBundle::kNumbers];
+    for (int d = 0; d < RayBundle::kNumbers; ++d) u[d] = bundle.numbersOf<Floats>(first, d);
     Rays<Floats> rays = start(from, plane, u);
     rays.distance = Floats(kFarAway), rays.facet = Floats{};
     tree_.meet(rays);
-    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, points.count - first));
+    const int lanes = static_cast<int>(std::min<uint32_t>(kLineLanes, bundle.size() - first));
     for (int lane = 0; lane < lanes; ++lane) {
       const Point at{rays.start.x[lane], rays.start.y[lane], rays.start.z[lane]},
           direction{rays.direction.x[lane], rays.direction.y[lane], rays.direction.z[lane]};
@@ -242,39 +273,30 @@ template <class Types>
       const RayTree::Facet* const end = cover != from.covers.end() ? &*cover
                                         : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
                                                                    : nullptr;
-      if (!end) ++hits.environment;
-      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) ++hits.leak;
-      else if (hits.of_polygon[end->polygon]++ == 0) hits.polygons.push_back(end->polygon);
+      Hits& of_block = hits[bundle.blockOf(first + static_cast<uint32_t>(lane))];
+      if (!end) ++of_block.environment;
+      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) ++of_block.leak;
+      else addHit(end->polygon, of_block);
     }
   }
 }
 
 // Casts the rays of one side of a narrow polygon, in double precision.
-template <class Types>
-[[gnu::always_inline]] inline void TreeRayEngine::castFromNarrow(uint32_t polygon, bool from_front,
-                                                                 const Points& points,
-                                                                 const std::array<uint32_t, 4>& scrambles,
-                                                                 Hits& hits) const {
-  using Floats = typename Types::Floats;
-  for (size_t first = 0; first < points.count; first += kLineLanes) {
-    Floats u[4];
-    for (int d = 0; d < 4; ++d)
-      u[d] = scrambled(load<typename Types::Words>(points.digits[d].data() + first), scrambles[d]);
-    const int lanes = static_cast<int>(std::min<size_t>(kLineLanes, points.count - first));
-    for (int lane = 0; lane < lanes; ++lane) {
-      const dvec3 direction = sight_->directionFrom(polygon, from_front, 1 - double(u[0][lane]), double(u[1][lane]));
-      const Sight::End end =
-          sight_->look(polygon, sight_->pointOn(polygon, double(u[2][lane]), double(u[3][lane])), direction);
-      if (end.polygon == Sight::kNothing) ++hits.environment;
-      else if (!ids_.two_sided && !end.is_front) ++hits.leak;
-      else if (hits.of_polygon[end.polygon]++ == 0) hits.polygons.push_back(end.polygon);
-    }
+void TreeRayEngine::castFromNarrow(uint32_t polygon, bool from_front, const RayBundle& bundle,
+                                   std::vector<Hits>& hits) const {
+  for (uint32_t ray = 0; ray < bundle.size(); ++ray) {
+    const auto u = [&](int d) { return double(bundle.numberOf(ray, d)); };
+    const Sight::End end = sight_->look(polygon, sight_->pointOn(polygon, u(2), u(3)),
+                                        sight_->directionFrom(polygon, from_front, 1 - u(0), u(1)));
+    Hits& of_block = hits[bundle.blockOf(ray)];
+    if (end.polygon == Sight::kNothing) ++of_block.environment;
+    else if (!ids_.two_sided && !end.is_front) ++of_block.leak;
+    else addHit(end.polygon, of_block);
   }
 }
 
-// Turns the hits of one polygon's rays into counts, and clears them.
-//   In: weight: of a direction; outside_alone: whether only environment and leak count
-void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight, bool outside_alone, Hits& hits,
+// Turns the hits of one polygon's rays into counts, and clears them.    In: weight: of a direction
+void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight, Hits& hits,
                               PairCounts& counts) const {
   const auto areaOf = [&](uint32_t of) { return sides_ * scene_.polygons[of].area; };
   const double area = areaOf(polygon);
@@ -288,7 +310,7 @@ void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight
   };
   for (const uint32_t met : hits.polygons) {
     const uint32_t other = ids_.of_polygon[met];
-    if (!outside_alone) add(other, hits.of_polygon[met], 1 / (share / area + shareOf(other) / areaOf(met)));
+    add(other, hits.of_polygon[met], 1 / (share / area + shareOf(other) / areaOf(met)));
     hits.of_polygon[met] = 0;
   }
   add(kEnvironment, double(hits.environment), area / share);
@@ -297,45 +319,64 @@ void TreeRayEngine::addCounts(uint32_t polygon, size_t directions, double weight
   hits.environment = hits.leak = 0;
 }
 
-// Counts along the rays of all polygons; with rows, environment and leak alone, of the polygons of these rows.
-PairCounts TreeRayEngine::countFrom(std::span<const Direction> directions, const std::vector<bool>* rows) {
-  if (directions.empty()) return {};
-  const auto raysOfSide = [&](uint32_t id) { return raysOf(id, directions.size()) / sides_; };
-  for (const uint32_t id : ids_.of_polygon)
-    if (const uint32_t rays = raysOfSide(id); !points_.contains(rays)) points_.emplace(rays, rays);
-  Hash series;
-  double weight = 0;
-  for (const Direction& direction : directions) {
-    for (int axis = 0; axis < 3; ++axis) series.add(direction.u[axis]);
-    weight += direction.weight;
+// Counts along the rays of all polygons. Few blocks are counted at once where polygons are many.
+std::vector<PairCounts> TreeRayEngine::countBlocks(std::span<const Direction> directions, size_t block_directions) {
+  const auto at_once =
+      static_cast<size_t>(std::max(1.0, kMostHits / (double(threads_) * double(scene_.polygons.size()))));
+  std::vector<PairCounts> counts;
+  for (size_t first = 0; first < directions.size(); first += at_once * block_directions) {
+    const size_t count = std::min(at_once * block_directions, directions.size() - first);
+    std::ranges::move(countFrom(directions.subspan(first, count), block_directions, nullptr),
+                      std::back_inserter(counts));
   }
-  weight /= double(directions.size());
-  const Vectors vectors = widestVectors();
-  std::vector<PairCounts> counts(threads_);
-  std::vector<Hits> hits(threads_);
-  for (Hits& of_thread : hits) of_thread.of_polygon.resize(scene_.polygons.size());
+  return counts;
+}
+
+// Counts blocks of directions.    In: blocks: as countOutside() takes it; null: all, and polygons met count
+std::vector<PairCounts> TreeRayEngine::countFrom(std::span<const Direction> directions, size_t block_directions,
+                                                 const std::vector<uint32_t>* blocks) {
+  const auto raysOfSide = [&](uint32_t id) { return raysOf(id, block_directions) / sides_; };
+  uint32_t most_rays = 0;
+  for (const uint32_t id : ids_.of_polygon) most_rays = std::max(most_rays, raysOfSide(id));
+  drawDigits(most_rays);
+  std::vector<Series> series;
+  for (size_t first = 0; first < directions.size(); first += block_directions) {
+    Hash hash;
+    double weight = 0;
+    for (const Direction& direction : directions.subspan(first, block_directions)) {
+      for (int axis = 0; axis < 3; ++axis) hash.add(direction.u[axis]);
+      weight += direction.weight;
+    }
+    series.push_back({hash.value(), weight / double(block_directions)});
+  }
+  std::vector<Worker> workers(threads_);
+  for (Worker& worker : workers) {
+    worker.counts.resize(series.size());
+    worker.hits.resize(series.size());
+    for (Hits& hits : worker.hits) hits.of_polygon.resize(blocks ? 0 : scene_.polygons.size());
+  }
   shareOut(
       threads_, scene_.polygons.size(), kChunk,
       [&](size_t thread, size_t k) {
         const auto polygon = static_cast<uint32_t>(k);
         const uint32_t id = ids_.of_polygon[polygon];
-        if (rows && !(*rows)[id]) return;
-        const Points& points = points_.at(raysOfSide(id));
-        for (size_t emitter = k * sides_; emitter < (k + 1) * sides_; ++emitter) {
-          const std::array<uint32_t, 4> scrambles = scramblesOf({series.value(), uint64_t(emitter)});
-          runInLanes(
-              vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
-                if (narrow_[k]) castFromNarrow<Types>(polygon, emitter == k * sides_, points, scrambles, hits[thread]);
-                else cast<Types>(emitters_[emitter], scene_.polygons[k].plane, points, scrambles, hits[thread]);
-              });
-        }
-        addCounts(polygon, directions.size(), weight, rows, hits[thread], counts[thread]);
+        const auto of_polygon = std::span(series).first(blocks ? (*blocks)[id] : series.size());
+        Worker& worker = workers[thread];
+        for (uint32_t side = 0; side < sides_; ++side) castFrom(k * sides_ + side, raysOfSide(id), of_polygon, worker);
+        for (size_t block = 0; block < of_polygon.size(); ++block)
+          addCounts(polygon, block_directions, series[block].weight, worker.hits[block], worker.counts[block]);
       },
       [&](size_t) {
         if (stop_) stop_();
       });
   if (on_batch_) on_batch_(directions.size());
-  return sortAndJoin(counts, ids_.count());
+  std::vector<PairCounts> counts;
+  for (size_t block = 0; block < series.size(); ++block) {
+    std::vector<PairCounts> of_threads;
+    for (Worker& worker : workers) of_threads.push_back(std::move(worker.counts[block]));
+    counts.push_back(sortAndJoin(of_threads, ids_.count()));
+  }
+  return counts;
 }
 
 }  // namespace

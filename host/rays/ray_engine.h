@@ -34,8 +34,12 @@ class RayEngine : public Engine {
   //   In: rays: uint32_t[ids], from usualRays(); count() then must be given as many directions as the largest of them
   virtual void setRays(std::vector<uint32_t> rays) = 0;
   virtual const std::vector<uint32_t>& rays() const = 0;  // as set; empty: as many as directions
-  // Counts environment and leak alone, as count() does.    In: rows: bool[ids], whose polygons have rays
-  virtual PairCounts countOutside(std::span<const Direction> directions, const std::vector<bool>& rows) = 0;
+  // Returns the number of rays of all polygons in a call of count().
+  virtual double raysOfReplicate(size_t directions) const = 0;
+  // Counts environment and leak alone, as countBlocks() does.
+  //   In: blocks: uint32_t[ids], in how many of the first blocks polygons of an id have rays
+  virtual std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions,
+                                               const std::vector<uint32_t>& blocks) = 0;
 };
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says
@@ -45,7 +49,7 @@ class RayEngine : public Engine {
 //     stop and on_batch
 //   Method: Sobol' points in four dimensions, scrambled for each polygon and each call of count() apart
 //   Error: counts are unbiased but for rounding to single precision, which moves starts and edges by up to kRayReach
-//   Cost: counting takes some 0.1 to 0.3 us a ray.
+//   Cost: counting takes some 0.1 to 0.3 us a ray, and less for several blocks at once.
 std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 
 }  // namespace viewpeel

@@ -73,22 +73,26 @@ template <class Floats>
 VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) const {
   const Facet& facet = facets_[index];
   if (facet.plane == rays.plane) return;
-  constexpr float kLeastSlope = 1e-12f;
-  const Floats none{}, one(1.0f);
-  const Floats height = (dot(facet.normal, rays.start) + facet.offset) * facet.side,  // of the start, above the front
-      slope = dot(facet.normal, rays.direction) * facet.side, ends_on_front = ifBelow(slope, none, one, none);
-  const Floats t = ifBelow(slope, none, height, -height) / greatest(sizeOf(slope), Floats(kLeastSlope));
-  // A start within rounding of the plane counts as on the side that receives the ray.
-  const Floats ahead = ifBelow(none, ends_on_front, height + kRayReach, -height + reach_of_backs_);
+  constexpr float kLeastSlope = 1e-12f, kRankStep = 1e-30f, kNumberStep = 3e-38f;
+  const Floats none{},
+      slope = dot(facet.normal, rays.direction) * facet.side + none;  // + 0: a slope of -0 counts as +0
+  // Height of the start above the side on which the ray arrives.
+  const Floats height = -withSign((dot(facet.normal, rays.start) + facet.offset) * facet.side, slope);
+  const Floats t = height / greatest(sizeOf(slope), Floats(kLeastSlope));
   const LaneVector<Floats> at{rays.start.x + t * rays.direction.x, rays.start.y + t * rays.direction.y,
                               rays.start.z + t * rays.direction.z};
-  const Floats along = slope * facet.side, rank = ifBelow(none, along, Floats(facet.level), Floats(-facet.level));
-  const Floats is_first =
-      ifBelow(t, rays.distance, one, ifAtMost(t, rays.distance, ifBelow(rank, rays.rank, one, none), none));
-  const Floats is_met = ifAtMost(beyond(facet.edges, 4, at), Floats(kRayReach), keep(ahead, is_first), none);
-  rays.distance = ifBelow(none, is_met, t, rays.distance);
-  rays.rank = ifBelow(none, is_met, rank, rays.rank);
-  rays.facet = ifBelow(none, is_met, Floats(static_cast<float>(index + 1)), rays.facet);
+  // A start within rounding of the plane counts as on the side that receives the ray.
+  const Floats ahead = height + ifBelow(slope, none, Floats(kRayReach), Floats(reach_of_backs_));
+  // Polygons of one plane are met at one distance. The ranks of coincident ones decide, and where two only touch, the
+  // numbers of their facets: what a ray meets must not depend on its neighbours, which choose the way through the tree.
+  // Other distances differ by far more than these steps.
+  const Floats number(static_cast<float>(index + 1)),
+      rank = withSign(Floats(facet.level * facet.side), slope),
+      sooner = (rays.distance - t) + (rays.rank - rank) * kRankStep + (rays.facet - number) * kNumberStep;
+  const Floats margin = least(least(ahead, sooner), kRayReach - beyond(facet.edges, 4, at));
+  rays.distance = ifBelow(none, margin, t, rays.distance);
+  rays.rank = ifBelow(none, margin, rank, rays.rank);
+  rays.facet = ifBelow(none, margin, number, rays.facet);
 }
 
 template <class Floats>
