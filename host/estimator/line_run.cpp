@@ -30,13 +30,15 @@ constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that
 // weights of a pair's lines are very uneven.
 constexpr uint64_t kMostReplicateGrowth = 8;
 // The same where only rows that miss the goal have further rays, and the most replicates that these have at once.
-constexpr uint64_t kMostGrowthOfRays = 64;
+constexpr uint64_t kMostReplicateGrowthWithRays = 64;
 constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
 constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
-// The same of rays, which take some 2 s of CPU time and have at most as many counts, 500 MB.
+// The same of rays, which take some 2 s of CPU time and have at most as many counts, 500 MB. More than these directions
+// together would save no time, for a polygon with many rays fills bundles with those of one replicate.
 constexpr double kMostRaysAhead = 2e7;
+constexpr size_t kMostDirectionsTogether = 1 << 16;
 
 RunSums lineSumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
                             double least_form_factor, const EstimateOptions& options) {
@@ -254,8 +256,8 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
     is_reached_ = false;
   }
   if (is_reached_) further_.clear();
-  const bool may_go_on =
-      sums_.replicateCount() < (hasFurtherRays() ? kMostGrowthOfRays : kMostReplicateGrowth) * options_.replicates;
+  const bool may_go_on = sums_.replicateCount() <
+                         (hasFurtherRays() ? kMostReplicateGrowthWithRays : kMostReplicateGrowth) * options_.replicates;
   if (!may_go_on) further_.clear();
   is_further_ = !further_.empty();
   if (!hasCountedPairs() || !needs_directions_) return;
@@ -301,7 +303,9 @@ size_t LineRun::replicatesAhead() const {
     if (pair.blocks) counts += 1.0 / pair.period;
   }
   double most = std::min(kMostLinesAhead / std::max(lines, 1.0), kMostCountsAhead / std::max(counts, 1.0));
-  if (options_.rays) most = std::min(most, kMostRaysAhead / options_.rays->raysOfReplicate(options_.directions));
+  if (options_.rays)
+    most = std::min({most, kMostRaysAhead / options_.rays->raysOfReplicate(options_.directions),
+                     double(kMostDirectionsTogether) / options_.directions});
   return std::clamp<size_t>(static_cast<size_t>(most), 1, options_.replicates - done);
 }
 
@@ -337,9 +341,17 @@ void LineRun::addReplicate(uint64_t replicate, Ahead& drawn) {
 
 // Adds replicates in which only the rows that miss the goal have rays. The first one has the lines.
 void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
-  const uint32_t most = std::max(1u, std::ranges::max(further_rays_));
-  const std::vector<PairCounts> counts =
-      options_.rays->countOutside(directionsOf(replicate, most), options_.directions, further_rays_);
+  const uint32_t most = std::max(1u, std::ranges::max(further_rays_)),
+                 together = std::max(1u, static_cast<uint32_t>(kMostDirectionsTogether / options_.directions));
+  std::vector<PairCounts> counts;
+  for (uint32_t first = 0; first < most; first += together) {
+    const uint32_t count = std::min(together, most - first);
+    std::vector<uint32_t> blocks;
+    for (const uint32_t replicates : further_rays_)
+      blocks.push_back(std::clamp(replicates, first, first + count) - first);
+    std::ranges::move(options_.rays->countOutside(directionsOf(replicate + first, count), options_.directions, blocks),
+                      std::back_inserter(counts));
+  }
   for (uint32_t k = 0; k < most; ++k) {  // comes last, for counting may be stopped
     std::vector<bool> rows;
     for (const uint32_t replicates : further_rays_) rows.push_back(k < replicates);

@@ -18,7 +18,6 @@ namespace {
 
 // This is the rounding of one value of the inner integral: its terms are at most 2 in the unit ball, and cancel.
 constexpr long double kNoise = 4 * std::numeric_limits<long double>::epsilon();
-constexpr long double kPi = std::numbers::pi_v<long double>;
 
 struct Edge {
   Vec3 start, direction;  // unit length
@@ -137,7 +136,7 @@ double formFactor(std::span<const glm::dvec3> a, std::span<const glm::dvec3> b) 
   const ConvexPolygon &whole_a = frame.polygons[0], &whole_b = frame.polygons[1];
   const FacingParts parts = facingParts(whole_a, whole_b, frame.rounding);
   if (parts.a.empty()) return 0;
-  const long double pi_area = kPi * area(whole_a);
+  const long double pi_area = std::numbers::pi_v<long double> * area(whole_a);
   long double error = 0, bound = kContourError, form_factor = 0;
   if (areFar(parts.a, parts.b)) {
     const HalfSpace front_a = frontOf(whole_a), front_b = frontOf(whole_b);

@@ -13,7 +13,6 @@
 namespace viewpeel::reference {
 namespace {
 
-constexpr long double kLongPi = std::numbers::pi_v<long double>;
 constexpr size_t kMaxTriangles = 200'000;
 constexpr long double kTiny = 1e-17L;  // lengths in the unit ball below this are rounding
 
@@ -26,7 +25,7 @@ long double pointFormFactor(const Vec3& x, const Vec3& normal, const ConvexPolyg
     const long double sine = glm::length(c);
     if (sine > 0) sum -= std::atan2(sine, glm::dot(r, s)) * glm::dot(normal, c) / sine;
   }
-  return sum / (2 * kLongPi);
+  return sum / (2 * std::numbers::pi_v<long double>);
 }
 
 // Returns the part of b that the blocker hides from x. The blocker lies in front of b's plane and of the plane of a, so
