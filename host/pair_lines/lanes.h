@@ -12,10 +12,6 @@
 
 #include "vectorised.h"
 
-#if defined(__GNUC__)
-#pragma GCC diagnostic ignored "-Wpsabi"  // every function that passes lanes is inlined
-#endif
-
 #define VIEWPEEL_INLINE [[gnu::always_inline]] inline
 
 namespace viewpeel {
