@@ -3,9 +3,6 @@
 //
 // A row has CPU seconds of all replicates, which are counted at once, and microseconds of a ray. The last column is a
 // hash of all counts, equal for equal results.
-#include <algorithm>
-#include <iterator>
-
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
 
@@ -25,9 +22,7 @@ void measure(const std::string& file, uint32_t threads, uint32_t rays, uint32_t 
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeRayEngine(scene, ids, {.thread_count = threads});
   Hash hash;
-  std::vector<Direction> directions;
-  for (uint32_t replicate = 0; replicate < replicates; ++replicate)
-    std::ranges::copy(sampleDirections(Sampler::iid, rays, 1, replicate), std::back_inserter(directions));
+  const std::vector<Direction> directions = sampleReplicates(Sampler::iid, rays, 1, 0, replicates);
   std::vector<PairCounts> counts;
   const RunTime casting = timeOf([&] { counts = engine->countBlocks(directions, rays); });
   for (const PairCounts& of_replicate : counts)

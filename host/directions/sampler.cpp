@@ -1,12 +1,14 @@
 #include "directions/sampler.h"
 
-#include "directions/random.h"
-
+#include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
+
+#include "directions/random.h"
 
 namespace viewpeel {
 namespace {
@@ -117,6 +119,14 @@ std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_
       directions.push_back(directionAlong(fromHeightAndAzimuth(z, kTwoPi * random.uniform()), random));
     }
   }
+  return directions;
+}
+
+std::vector<Direction> sampleReplicates(Sampler sampler, uint32_t count, uint64_t seed, uint64_t first,
+                                        uint64_t replicates) {
+  std::vector<Direction> directions;
+  for (uint64_t replicate = first; replicate < first + replicates; ++replicate)
+    std::ranges::copy(sampleDirections(sampler, count, seed, replicate), std::back_inserter(directions));
   return directions;
 }
 

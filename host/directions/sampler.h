@@ -15,6 +15,11 @@ namespace viewpeel {
 //   Cost: O(count).
 std::vector<Direction> sampleDirections(Sampler sampler, uint32_t count, uint64_t seed, uint64_t replicate);
 
+// Draws the directions of several replicates, one after another, as Engine::countBlocks() takes them.
+//   In: first: the first replicate; others as sampleDirections()    Out: replicates x count directions
+std::vector<Direction> sampleReplicates(Sampler sampler, uint32_t count, uint64_t seed, uint64_t first,
+                                        uint64_t replicates);
+
 // Draws lattices of independent random offset and rotation along one direction.
 //   In: u: a unit vector; count: number of lattices    Out: count directions that differ only in axes and offset
 std::vector<Direction> sampleLattices(const glm::dvec3& u, uint32_t count, uint64_t seed);

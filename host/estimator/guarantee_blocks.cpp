@@ -26,13 +26,8 @@ PairCounts countBlock(Engine& engine, const GuaranteeOptions& options, uint64_t 
 std::vector<PairCounts> countBlocks(Engine& engine, const GuaranteeOptions& options, uint64_t directions,
                                     uint64_t first, uint64_t blocks) {
   if (blocks == 1) return {countBlock(engine, options, directions, first)};
-  std::vector<Direction> all;
-  for (uint64_t block = first; block < first + blocks; ++block) {
-    const std::vector<Direction> directions_of_block =
-        sampleDirections(options.sampler, static_cast<uint32_t>(directions), options.seed, block);
-    all.insert(all.end(), directions_of_block.begin(), directions_of_block.end());
-  }
-  return engine.countBlocks(all, directions);
+  const auto count = static_cast<uint32_t>(directions);
+  return engine.countBlocks(sampleReplicates(options.sampler, count, options.seed, first, blocks), count);
 }
 
 RunSums makeGuaranteeSums(const Scene& scene, const Ids& ids, const GuaranteePlan& plan, uint64_t directions) {

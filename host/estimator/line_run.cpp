@@ -35,9 +35,10 @@ constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
 constexpr double kMostLinesAhead = 1e8, kMostCountsAhead = 8e6;
-// The same of rays, which take some 2 s of CPU time and have at most as many counts, 500 MB. More than these directions
-// together would save no time, for a polygon with many rays fills bundles with those of one replicate.
+// The same of rays, which take some 2 s of CPU time and have at most as many counts, 500 MB.
 constexpr double kMostRaysAhead = 2e7;
+// Replicates of rays are counted together where they have at most this many directions in all. Where a replicate has
+// many directions, polygons have many rays in it, and counting more replicates at once saves no time.
 constexpr size_t kMostDirectionsTogether = 1 << 16;
 
 RunSums lineSumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
@@ -361,11 +362,7 @@ void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
 
 // Returns the directions of replicates, one after another.    In: replicate: the first
 std::vector<Direction> LineRun::directionsOf(uint64_t replicate, size_t replicates) const {
-  std::vector<Direction> directions;
-  for (size_t k = 0; k < replicates; ++k)
-    std::ranges::copy(sampleDirections(options_.sampler, options_.directions, options_.seed, replicate + k),
-                      std::back_inserter(directions));
-  return directions;
+  return sampleReplicates(options_.sampler, options_.directions, options_.seed, replicate, replicates);
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <span>
 
 #include "directions/replicates.h"
@@ -96,10 +95,8 @@ PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
   std::vector<Row> environment(row_count), leak(row_count);
   std::vector<double> largest;
-  std::vector<Direction> directions;
-  for (uint32_t replicate = 0; replicate < kRayPilotReplicates; ++replicate)
-    std::ranges::copy(sampleDirections(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first + replicate),
-                      std::back_inserter(directions));
+  const std::vector<Direction> directions =
+      sampleReplicates(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first, kRayPilotReplicates);
   if (may_be_alone)
     largest = largestShares(engine.count(std::span(directions).first(kPilotRays)), row_of_face, areas, count_area);
   const std::vector<uint32_t> all_blocks(row_of_face.size(), kRayPilotReplicates);

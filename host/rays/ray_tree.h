@@ -85,7 +85,7 @@ VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) cons
   const Floats ahead = height + ifBelow(slope, none, Floats(kRayReach), Floats(reach_of_backs_));
   // Polygons of one plane are met at one distance. The ranks of coincident ones decide, and where two only touch, the
   // numbers of their facets: what a ray meets must not depend on its neighbours, which choose the way through the tree.
-  // Other distances differ by far more than these steps.
+  // Distances that differ at all differ by far more than these steps.
   const Floats number(static_cast<float>(index + 1)),
       rank = withSign(Floats(facet.level * facet.side), slope),
       sooner = (rays.distance - t) + (rays.rank - rank) * kRankStep + (rays.facet - number) * kNumberStep;

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <span>
 
 #include <viewpeel/compute.h>
@@ -190,12 +189,7 @@ TEST(RayEngine, IsNotForTinyPolygons) {
 
 // Directions of three replicates, one after another. The rays of one are not a multiple of the sixteen cast at a time.
 constexpr uint32_t kRaysOfBlock = 40;
-std::vector<Direction> threeBlocks() {
-  std::vector<Direction> directions;
-  for (uint32_t r = 0; r < 3; ++r)
-    std::ranges::copy(sampleDirections(Sampler::iid, kRaysOfBlock, 3, r), std::back_inserter(directions));
-  return directions;
-}
+std::vector<Direction> threeBlocks() { return sampleReplicates(Sampler::iid, kRaysOfBlock, 3, 0, 3); }
 
 TEST(RayEngine, CountsDependOnNeitherThreadsNorCalls) {
   const Scene scene = buildScene(bench::triangulatedCity(300).scene);
@@ -229,9 +223,7 @@ TEST(RayEngine, EveryRayCountsOnce) {
   const Ids ids = makeIds(scene, By::polygon, false);
   const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
   constexpr uint32_t kRays = 10'003;
-  std::vector<Direction> directions;
-  for (uint32_t r = 0; r < 2; ++r)
-    std::ranges::copy(sampleDirections(Sampler::iid, kRays, 3, r), std::back_inserter(directions));
+  const std::vector<Direction> directions = sampleReplicates(Sampler::iid, kRays, 3, 0, 2);
   const double area = ids.areas[0] / (scene.scale * scene.scale);
   for (const PairCounts& counts : engine->countBlocks(directions, kRays)) {
     double rays = 0;
