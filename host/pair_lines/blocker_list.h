@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "pair_lines/blockers.h"
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 
 namespace viewpeel {
 

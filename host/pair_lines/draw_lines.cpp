@@ -7,7 +7,7 @@
 
 #include <glm/glm.hpp>
 
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/shared.h"
 #include "pair_lines/sobol_points.h"
 

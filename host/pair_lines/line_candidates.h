@@ -6,7 +6,7 @@
 #include <cstdint>
 
 #include "hash.h"
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/uniform_lines.h"
 
 namespace viewpeel {

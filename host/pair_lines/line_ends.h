@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "pair_lines/blockers.h"
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/patches.h"
 
 namespace viewpeel {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "pair_lines/blocker_list.h"
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/patches.h"
 #include "vectorised.h"
 

@@ -9,7 +9,7 @@
 #include <span>
 
 #include "hash.h"
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/shared.h"
 
 namespace viewpeel {

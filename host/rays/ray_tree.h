@@ -8,7 +8,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "pair_lines/lanes.h"
+#include "lanes.h"
 #include "pair_lines/line_ends.h"
 #include <viewpeel/scene.h>
 

@@ -6,7 +6,10 @@
 
 #include <glm/glm.hpp>
 
+#include "lanes.h"
 #include "unoccluded/gauss.h"
+#include "unoccluded/lane_math.h"
+#include "vectorised.h"
 
 namespace viewpeel {
 
@@ -17,21 +20,6 @@ namespace {
 
 constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
 constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
-
-// Returns the inner integral of docs/method.md, eq. (38), over the edge q, for one point of p. The integrand is
-// 1 + ln r in place of ln r, which saves terms: the 1 adds up to nothing around a polygon.
-//   In: from: the point less the start of q; direction: unit vector along q
-//   Out: magnitude: raised to the sum of the sizes of its terms, which may cancel
-double innerIntegral(const dvec3& from, const dvec3& direction, double length_q, double& magnitude) {
-  const double along = dot(from, direction), rest = length_q - along;
-  const dvec3 across = cross(from, direction);
-  const double square = dot(across, across), d = std::sqrt(square);
-  const double first = 0.5 * along * std::log(std::max(along * along + square, kLeast)),
-               last = 0.5 * rest * std::log(std::max(rest * rest + square, kLeast));
-  const double turn = d * std::atan2(d * length_q, square - rest * along + kLeast);
-  magnitude = std::max(magnitude, std::abs(first) + std::abs(last) + turn);
-  return first + last + turn;
-}
 
 // Returns the ends of the pieces of p, as fractions of p: 0, the places where the inner integral over q is singular or
 // nearly so, and 1. See cutsOf in shaders/unoccluded/line.comp.
@@ -89,16 +77,51 @@ double integrateParallel(const Edge& p, const Edge& q, double& error) {
   return sum;
 }
 
+// The inner integral of docs/method.md, eq. (38), over the edge q has 1 + ln r in place of ln r, which saves terms: the
+// 1 adds up to nothing around a polygon.
+void EdgeSum::evaluate() {
+  constexpr size_t kLanes = kBlockerLanes;
+  static_assert(kMostPoints % kLanes == 0);
+  static_assert(std::ranges::all_of(
+      kLineRounds, [](const LineRound& round) { return std::ranges::max(round.points) <= kMostPoints; }));
+  for (; count % kLanes != 0; ++count) along[count] = rest[count] = distance[count] = weight[count] = 0;
+  std::array<double, kLanes> values, sizes;
+  runInLanes(
+      widestVectors(), [&](auto types) __attribute__((always_inline)) {
+        using Doubles = typename decltype(types)::Doubles;
+        Doubles value_lanes, size_lanes;
+        for (size_t k = 0; k < count; k += kLanes) {
+          const auto x = load<Doubles>(&along[k]), y = load<Doubles>(&rest[k]), d = load<Doubles>(&distance[k]),
+                     w = load<Doubles>(&weight[k]), s = d * d, smallest(kLeast);
+          const Doubles first = 0.5 * x * logOf(greatest(x * x + s, smallest)),
+                        last = 0.5 * y * logOf(greatest(y * y + s, smallest)),
+                        turn = d * angleOf(s - y * x + smallest, d * (x + y));
+          value_lanes += w * (first + last + turn);
+          size_lanes += sizeOf(w) * (sizeOf(first) + sizeOf(last) + turn);  // of the terms, which may cancel
+        }
+        store(value_lanes, values.data());
+        store(size_lanes, sizes.data());
+      });
+  for (size_t k = 0; k < kLanes; ++k) {
+    value += values[k];
+    error += 2 * kUnitRounding * sizes[k];
+  }
+  count = 0;
+}
+
 EdgeRules::EdgeRules() {
   for (size_t round = 0; round < kLineRounds.size(); ++round)
-    for (uint32_t rule = 0; rule < kLineRules; ++rule) {
-      const int n = static_cast<int>(kLineRounds[round].points[rule]);
-      for (const GaussPoint& point : rule == kGradedRule ? gradedPoints(n) : unitPoints(n))
-        points_[round][rule].push_back({static_cast<double>(point.node), static_cast<double>(point.weight)});
+    for (uint32_t k = 0; k < kLineRules; ++k) {
+      const int n = static_cast<int>(kLineRounds[round].points[k]);
+      Rule& rule = rules_[round][k];
+      for (const GaussPoint& point : k == kGradedRule ? gradedPoints(n) : unitPoints(n)) {
+        rule.at.push_back(static_cast<double>(point.node));
+        rule.weight.push_back(static_cast<double>(point.weight));
+      }
     }
 }
 
-double EdgeRules::integrate(Edge p, Edge q, size_t round, double& error) const {
+void EdgeRules::add(Edge p, Edge q, size_t round, EdgeSum& sum) const {
   const double together = dot(p.along, q.along);
   if (dot(p.along, p.along) > dot(q.along, q.along)) std::swap(p, q);
   // The inner integral is analytic up to this distance (`clear`) from the middle of p, in units of half the length of p
@@ -107,31 +130,39 @@ double EdgeRules::integrate(Edge p, Edge q, size_t round, double& error) const {
   const dvec3 middle = p.start + 0.5 * p.along - q.start,
               off = middle - q.along * std::clamp(dot(middle, q.along) / square_q, 0.0, 1.0);
   const double clear = 2 * std::sqrt(dot(off, off) / square_p);
-  const uint32_t rule = clear > 12 ? 0 : clear > 3.5 ? 1 : clear > 1.5 ? 2 : kGradedRule;
-  if (rule == kGradedRule) {
-    error += kLineRounds[round].graded_error * std::abs(together);
+  const uint32_t which = clear > 12 ? 0 : clear > 3.5 ? 1 : clear > 1.5 ? 2 : kGradedRule;
+  if (which == kGradedRule) {
+    sum.error += kLineRounds[round].graded_error * std::abs(together);
   } else {
     const double axes = clear + std::sqrt(std::max(clear * clear - 1, 0.0));
-    error += 4 / raised(axes * axes, kLineRounds[round].points[rule]) * std::abs(together);
+    sum.error += 4 / raised(axes * axes, kLineRounds[round].points[which]) * std::abs(together);
   }
 
-  const std::array<double, kMostPieces + 1> cuts = rule == kGradedRule
+  const std::array<double, kMostPieces + 1> cuts = which == kGradedRule
                                                        ? cutsOf(p.start, p.along, q.start, q.along)
                                                        : std::array<double, kMostPieces + 1>{0, 1, 1, 1, 1};
-  const double length_q = glm::length(q.along);
+  const Rule& rule = rules_[round][which];
+  const size_t points = rule.at.size();
+  const double length_q = std::sqrt(square_q);
   const dvec3 direction = q.along / length_q, from = p.start - q.start;
-  double sum = 0, greatest = 0;
+  // A point t of p is this far along q, and from its line: start + t slope.
+  const double along_start = dot(from, direction), along_slope = dot(p.along, direction);
+  const dvec3 across_start = cross(from, direction), across_slope = cross(p.along, direction);
   for (size_t piece = 0; piece < kMostPieces; ++piece) {
     const double low = cuts[piece], length = cuts[piece + 1] - low;
     if (!(length > 0)) continue;
-    double part = 0;
-    for (const Point& point : points_[round][rule])
-      part += point.weight * innerIntegral(from + (low + point.at * length) * p.along, direction, length_q, greatest);
-    sum += length * part;
+    if (sum.count + points > EdgeSum::kMostPoints) sum.evaluate();
+    for (size_t k = 0; k < points; ++k) {
+      const double t = low + rule.at[k] * length, along = along_start + t * along_slope;
+      const dvec3 across = across_start + t * across_slope;
+      const size_t next = sum.count + k;
+      sum.along[next] = along;
+      sum.rest[next] = length_q - along;
+      sum.distance[next] = std::sqrt(dot(across, across));
+      sum.weight[next] = rule.weight[k] * (length * along_slope);
+    }
+    sum.count += points;
   }
-  const double factor = dot(p.along, direction);
-  error += kUnitRounding * std::abs(factor) * greatest;
-  return factor * sum;
 }
 
 }  // namespace viewpeel

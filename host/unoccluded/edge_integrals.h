@@ -25,21 +25,39 @@ bool areParallel(const glm::dvec3& p, const glm::dvec3& q);
 //   Out: error: raised by a bound on rounding, of corners too
 double integrateParallel(const Edge& p, const Edge& q, double& error);
 
+// An EdgeSum adds up integrals over pairs of edges. It gathers points of their outer integrals, and evaluates many at
+// once, in vectors.
+struct EdgeSum {
+  static constexpr size_t kMostPoints = 256;  // at least the points of any rule
+
+  double value = 0;
+  double error = 0;  // a bound on the error of the value
+
+  // Each point of an edge p is this far along the edge q from its start, and back from its end, and this far from the
+  // line of q. The weight is that of the inner integral in the value.
+  std::array<double, kMostPoints> along, rest, distance, weight;
+  size_t count = 0;  // of points that are not in value and error yet
+
+  // Moves the points into value and error.
+  void evaluate();
+};
+
 // EdgeRules integrates over edges in any position.
 class EdgeRules {
  public:
   EdgeRules();
 
-  // Returns int_p int_q (1 + ln r) ds . dt. The outer integral, over the shorter edge, is by a Gauss rule.
+  // Adds int_p int_q (1 + ln r) ds . dt to a sum that is to be evaluated afterwards. The outer integral, over the
+  // shorter edge, is by a Gauss rule.
   //   In: round: of kLineRounds; later rounds have more points
-  //   Out: error: raised by a bound on the error of the rule, and by rounding
-  double integrate(Edge p, Edge q, size_t round, double& error) const;
+  //   Out: sum: its error is raised by a bound on the error of the rule, and by rounding
+  void add(Edge p, Edge q, size_t round, EdgeSum& sum) const;
 
  private:
-  struct Point {
-    double at, weight;
+  struct Rule {
+    std::vector<double> at, weight;
   };
-  std::array<std::array<std::vector<Point>, unoccluded_data::kLineRules>, kLineRounds.size()> points_;
+  std::array<std::array<Rule, unoccluded_data::kLineRules>, kLineRounds.size()> rules_;
 };
 
 }  // namespace viewpeel

@@ -302,18 +302,18 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lin
   };
   const auto edges_a = frontEdges(sides.a, sides.depths_a, sides.rounding_a);
   const auto edges_b = frontEdges(sides.b, sides.depths_b, sides.rounding_b);
-  double sum = 0;
-  error = 0;
+  EdgeSum sum;
   for (const Edge& p : edges_a)
     for (const Edge& q : edges_b) {
       if (dot(p.along, q.along) == 0) continue;
-      sum += lines == Lines::parallel_closed && areParallel(p.along, q.along)
-                 ? integrateParallel(p, q, error)
-                 : edge_rules_.integrate(p, q, round, error);
+      if (lines == Lines::parallel_closed && areParallel(p.along, q.along))
+        sum.value += integrateParallel(p, q, sum.error);
+      else edge_rules_.add(p, q, round, sum);
       ++work.line_integrals;
     }
-  error = unit * unit * error / (2 * kPi);
-  return (sides.is_flipped ? -sum : sum) * unit * unit / (2 * kPi);
+  sum.evaluate();
+  error = unit * unit * sum.error / (2 * kPi);
+  return (sides.is_flipped ? -sum.value : sum.value) * unit * unit / (2 * kPi);
 }
 
 HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, UnoccludedWork& work) const {

@@ -8,6 +8,7 @@
 #include <bit>
 #include <cstdint>
 #include <cstring>
+#include <type_traits>
 #include <utility>
 
 #include "vectorised.h"
@@ -25,8 +26,9 @@ struct LanesOf {
   static constexpr int kInPiece = kBytes / int(sizeof(Number)), kPieces = kLanes / kInPiece;
   typedef Number Piece __attribute__((vector_size(kBytes)));  // GCC takes no such attribute of an alias
   typedef Number StoredPiece __attribute__((vector_size(kBytes), aligned(sizeof(Number)), may_alias));
-  using Floats = LanesOf<float, kLanes, kBytes>;
-  using Words = LanesOf<uint32_t, kLanes, kBytes>;
+  static constexpr bool kIsDouble = sizeof(Number) == sizeof(double);
+  using Floats = LanesOf<std::conditional_t<kIsDouble, double, float>, kLanes, kBytes>;      // of these numbers' size
+  using Words = LanesOf<std::conditional_t<kIsDouble, uint64_t, uint32_t>, kLanes, kBytes>;  // of these numbers' size
 
   Piece of[kPieces] = {};
 
