@@ -20,9 +20,11 @@ constexpr double kMostResolution = 1024;
 // These costs are in processor seconds. A pair with lines costs its search, its lines and its entry, and a hidden pair
 // its search.
 constexpr double kSecondsOfPair = 2.5e-6, kSecondsOfHidden = 5e-7;
-// In open scenes a pair that nothing blocks costs less, and it takes longer to prove that a pair is hidden, where this
-// is not proved of whole clusters. Five cities of triangles and quads took 0.6 to 1.7 times what these costs give.
-constexpr double kSecondsOfClear = 6e-7, kSecondsOfHiddenInOpen = 3.3e-6;
+// In open scenes a pair that nothing blocks costs less, a pair that something may block more, and it takes longer to
+// prove that a pair is hidden, where this is not proved of whole clusters. At 0.01 six cities of 1,016 to 8,592
+// triangles and quads took 1.4 to 1.7 times what these costs give, on a processor on which rays take 1.5 to 1.7 times
+// kSecondsOfRay.
+constexpr double kSecondsOfClear = 2e-7, kSecondsOfBlocked = 8.5e-6, kSecondsOfHiddenInOpen = 1e-6;
 constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
 // Between surfaces a mixture with rays costs these for each face, and for each pair that it finds, beside the rays.
@@ -44,7 +46,7 @@ double secondsOfFew(const PairNumbers& pairs, double of_all, double few) {
 // Returns the seconds of lines for all pairs of an open scene.
 double secondsInOpen(const PairNumbers& pairs) {
   const double hidden = std::max(0.0, pairs.decided - pairs.found);
-  return (pairs.found - pairs.blocked) * kSecondsOfClear + pairs.blocked * kSecondsOfPair +
+  return (pairs.found - pairs.blocked) * kSecondsOfClear + pairs.blocked * kSecondsOfBlocked +
          hidden * kSecondsOfHiddenInOpen;
 }
 
@@ -131,7 +133,7 @@ bool paysRaysAlone(const PairNumbers& pairs, size_t face_count, double rays_alon
 }
 
 bool mayPayDirectionsAlone(size_t face_count, double seconds) {
-  return double(pairCount(face_count)) * kSecondsOfHiddenInOpen > std::max(kSoon, kWorthBesideRays * seconds);
+  return double(pairCount(face_count)) * kSecondsOfBlocked > std::max(kSoon, kWorthBesideRays * seconds);
 }
 
 double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count, bool is_open, bool is_large,
