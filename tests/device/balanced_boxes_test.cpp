@@ -23,20 +23,20 @@ namespace {
 
 namespace ts = test_scenes;
 
-struct Patch {
+struct WallPart {
   int axis = 0, side = 0;
   reference::Interval range[3];  // for the two axes other than `axis`
 };
 
 // Returns the inside of a box [0, size], with every face cut at the same shares of its sides.
-std::vector<Patch> cutBox(const std::vector<double>& cuts, glm::dvec3 size) {
-  std::vector<Patch> patches;
+std::vector<WallPart> cutBox(const std::vector<double>& cuts, glm::dvec3 size) {
+  std::vector<WallPart> patches;
   for (int axis = 0; axis < 3; ++axis)
     for (int side = 0; side < 2; ++side)
       for (size_t a = 0; a + 1 < cuts.size(); ++a)
         for (size_t b = 0; b + 1 < cuts.size(); ++b) {
           const int u = (axis + 1) % 3, v = (axis + 2) % 3;
-          Patch patch{axis, side, {}};
+          WallPart patch{axis, side, {}};
           patch.range[u] = {cuts[a] * size[u], cuts[a + 1] * size[u]};
           patch.range[v] = {cuts[b] * size[v], cuts[b + 1] * size[v]};
           patches.push_back(patch);
@@ -44,9 +44,9 @@ std::vector<Patch> cutBox(const std::vector<double>& cuts, glm::dvec3 size) {
   return patches;
 }
 
-InputScene sceneOf(const std::vector<Patch>& patches, glm::dvec3 size) {
+InputScene sceneOf(const std::vector<WallPart>& patches, glm::dvec3 size) {
   InputScene scene{"box of patches", {}, {}};
-  for (const Patch& patch : patches) {
+  for (const WallPart& patch : patches) {
     const int u = (patch.axis + 1) % 3, v = (patch.axis + 2) % 3;
     glm::dvec3 origin(0), a(0), b(0);
     origin[patch.axis] = patch.side * size[patch.axis];
@@ -60,7 +60,7 @@ InputScene sceneOf(const std::vector<Patch>& patches, glm::dvec3 size) {
   return scene;
 }
 
-double formFactorOf(const Patch& from, const Patch& to, glm::dvec3 size) {
+double formFactorOf(const WallPart& from, const WallPart& to, glm::dvec3 size) {
   const int z = from.axis, x = to.axis;
   if (z == x) {
     if (from.side == to.side) return 0;
@@ -75,27 +75,27 @@ double formFactorOf(const Patch& from, const Patch& to, glm::dvec3 size) {
                                             fromSide(to.range[z], from.side, z));
 }
 
-struct Box {
+struct CutBox {
   const char* name;
   std::vector<double> cuts;
   glm::dvec3 size;
 
-  std::vector<Patch> patches() const { return cutBox(cuts, size); }
+  std::vector<WallPart> patches() const { return cutBox(cuts, size); }
 };
 
-const std::vector<Box> kBoxes = {{"cube, 6 faces", {0, 1}, glm::dvec3(1)},
-                                 {"cube, 96 equal patches", {0, 0.25, 0.5, 0.75, 1}, glm::dvec3(1)},
-                                 {"cube, 96 patches of 1:16 in area", {0, 0.1, 0.3, 0.6, 1}, glm::dvec3(1)},
-                                 {"box 2 x 1 x 0.5, 54 patches", {0, 0.3, 0.7, 1}, {2, 1, 0.5}}};
+const std::vector<CutBox> kBoxes = {{"cube, 6 faces", {0, 1}, glm::dvec3(1)},
+                                    {"cube, 96 equal patches", {0, 0.25, 0.5, 0.75, 1}, glm::dvec3(1)},
+                                    {"cube, 96 patches of 1:16 in area", {0, 0.1, 0.3, 0.6, 1}, glm::dvec3(1)},
+                                    {"box 2 x 1 x 0.5, 54 patches", {0, 0.3, 0.7, 1}, {2, 1, 0.5}}};
 
 using Exchange = std::map<std::pair<uint32_t, uint32_t>, double>;  // nonzero exchange areas by i < j
 
-Exchange exactExchange(const Box& box) {
-  const std::vector<Patch> patches = box.patches();
+Exchange exactExchange(const CutBox& box) {
+  const std::vector<WallPart> patches = box.patches();
   Exchange exchange;
   for (uint32_t i = 0; i < patches.size(); ++i)
     for (uint32_t j = i + 1; j < patches.size(); ++j) {
-      const Patch& patch = patches[i];
+      const WallPart& patch = patches[i];
       const int u = (patch.axis + 1) % 3, v = (patch.axis + 2) % 3;
       const double area = (patch.range[u].high - patch.range[u].low) * (patch.range[v].high - patch.range[v].low);
       const double f = formFactorOf(patch, patches[j], box.size);
@@ -104,7 +104,7 @@ Exchange exactExchange(const Box& box) {
   return exchange;
 }
 
-Estimate estimateBox(const Box& box, uint64_t seed, uint32_t directions, int resolution) {
+Estimate estimateBox(const CutBox& box, uint64_t seed, uint32_t directions, int resolution) {
   TestRun run;
   run.lattice.resolution = resolution;
   run.estimate = {.directions = directions, .replicates = 8, .seed = seed};
@@ -140,7 +140,7 @@ double weightedError(const FormFactors& form_factors, const FormFactors& measure
 // - t|^2 >= |c - x|^2 + |x - t|^2 in the norm of (33), in every run. The truth is known to ten digits, far better than
 // the statistical errors.
 TEST(Balance, NeverFartherFromTheClosedForms) {
-  for (const Box& box : kBoxes) {
+  for (const CutBox& box : kBoxes) {
     SCOPED_TRACE(box.name);
     const Exchange truth = exactExchange(box);
     for (uint64_t seed = 1; seed <= 2; ++seed) {
@@ -192,7 +192,7 @@ void printGain(const std::string& name, const Exchange& truth, int seeds,
 }
 
 TEST(Balance, DISABLED_Gain) {
-  for (const Box& box : kBoxes)
+  for (const CutBox& box : kBoxes)
     printGain(box.name, exactExchange(box), 20, [&](uint64_t seed, uint32_t directions, int resolution) {
       return estimateBox(box, seed, directions, resolution);
     });

@@ -19,8 +19,7 @@ std::string withFault(const std::string& fault) {
          fault;
 }
 
-const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
-const std::string kSteady = kOffice + "--engine compute --directions 50 --resolution 64 --batch 25 ";
+const std::string kSteady = kComputeOffice + "--engine compute --directions 50 --resolution 64 --batch 25 ";
 
 class Fault : public Program {
  protected:
@@ -93,8 +92,8 @@ TEST_F(Fault, NoUsableDeviceIsReportedWithTheReason) {
 TEST_F(Fault, ADeviceWithoutAClockCountsTheSame) {
   for (const char* options :
        {"--engine compute --directions 20 ", "--engine compute --unoccluded on --directions 20 "}) {
-    ASSERT_EQ(run(kOffice + options + "-o " + file("with.csv")).status, 0);
-    ASSERT_EQ(run(kOffice + options + "-o " + file("without.csv"), withFault("clock")).status, 0) << options;
+    ASSERT_EQ(run(kComputeOffice + options + "-o " + file("with.csv")).status, 0);
+    ASSERT_EQ(run(kComputeOffice + options + "-o " + file("without.csv"), withFault("clock")).status, 0) << options;
     EXPECT_EQ(readFile(file("without.csv")), readFile(file("with.csv"))) << options;
   }
 }
@@ -119,7 +118,7 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
   EXPECT_GE(most, 1u);  // at least one run had kept a replicate
   for (const std::string planned : {"--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
                                     "--unoccluded on --engine compute", "--engine graphics --directions 20"})
-    expectOneLine(run(kOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
+    expectOneLine(run(kComputeOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
 // The device is lost while it draws pair lines, or has less and less memory. The engine for common directions takes
@@ -157,7 +156,7 @@ TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
        {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
         "--unoccluded on --engine compute", "--engine graphics --directions 20"})
     for (int allocation : {1, 12})
-      expectOneLine(run(kOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1,
+      expectOneLine(run(kComputeOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1,
                     {"cannot allocate", "try a smaller"});
 }
 

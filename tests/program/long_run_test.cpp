@@ -10,7 +10,6 @@ namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
 
 class LongRun : public Program {};
 
@@ -26,7 +25,7 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   const std::string options =
-      kOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --unoccluded " + GetParam() + " ";
+      kComputeOffice + "--directions 100 --replicates 40 --checkpoint-seconds 0 --unoccluded " + GetParam() + " ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv") + " --checkpoint " + file("whole.h5")).status, 0);
 
   const std::string resumed = options + "-o " + file("a.csv") + " --checkpoint " + file("a.h5") + " --resume";
@@ -63,7 +62,7 @@ TEST_P(KilledRun, AnywhereAndResumedIsTheSameRun) {
 TEST_F(LongRun, SignalsStopItWithinSeconds) {
   for (const auto& [signal, name] :
        {std::pair(SIGINT, "SIGINT"), std::pair(SIGTERM, "SIGTERM"), std::pair(SIGHUP, "SIGHUP")}) {
-    Running running(kOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
+    Running running(kComputeOffice + "--directions 300000 -o " + file("a.csv") + " --checkpoint " + file("a.h5"),
                     file("messages"));
     waitFor(3);
     const auto start = Clock::now();
@@ -78,8 +77,8 @@ TEST_F(LongRun, SignalsStopItWithinSeconds) {
 
 TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
   for (const std::string engine : {"compute", "graphics", "exact"}) {
-    const std::string options = kOffice + "--directions 20 --replicates 5000 --engine " + engine + " --checkpoint " +
-                                file(engine + ".h5") + " ";
+    const std::string options = kComputeOffice + "--directions 20 --replicates 5000 --engine " + engine +
+                                " --checkpoint " + file(engine + ".h5") + " ";
     {
       Running running(options + "--checkpoint-seconds 0 -o " + file("a.csv"), file("messages"));
       while (!running.hasEnded() && !fs::exists(file(engine + ".h5"))) waitFor(0.01);
@@ -100,7 +99,8 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
     ASSERT_EQ(replicates.find("0 to "), 0u) << replicates;
     const std::string done = std::to_string(std::stoul(replicates.substr(5)) + 1);
     EXPECT_EQ(
-        run(kOffice + "--directions 20 --engine " + engine + " --replicates " + done + " -o " + file("one.csv")).status,
+        run(kComputeOffice + "--directions 20 --engine " + engine + " --replicates " + done + " -o " + file("one.csv"))
+            .status,
         0);
     EXPECT_EQ(readFile(file("a.csv")), readFile(file("one.csv")));
   }
@@ -109,7 +109,7 @@ TEST_F(LongRun, InterruptedIsWrittenAndResumed) {
 // Slurm announces the end of a job by SIGUSR1. The run then writes the results so far, goes on, and ends with the bytes
 // of an undisturbed run.
 TEST_F(LongRun, ResultsAreWrittenOnRequestAndTheRunGoesOn) {
-  const std::string options = kOffice + "--directions 20 --replicates 400 ";
+  const std::string options = kComputeOffice + "--directions 20 --replicates 400 ";
   ASSERT_EQ(run(options + "-o " + file("whole.csv")).status, 0);
   Running running(options + "-o " + file("a.csv") + " --checkpoint-seconds 0 --checkpoint " + file("a.h5"),
                   file("messages"));
@@ -129,7 +129,7 @@ TEST_F(LongRun, ResultsAreWrittenOnRequestAndTheRunGoesOn) {
 
 // A run under nohup ignores the hang-up signal of its terminal.
 TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
-  Running running(kOffice + "--directions 20 --replicates 300 -o " + file("a.csv") + " --checkpoint-seconds 0 " +
+  Running running(kComputeOffice + "--directions 20 --replicates 300 -o " + file("a.csv") + " --checkpoint-seconds 0 " +
                       "--checkpoint " + file("a.h5"),
                   file("messages"), "trap '' HUP; ");
   while (!running.hasEnded() && !fs::exists(file("a.h5"))) waitFor(0.01);
@@ -142,8 +142,8 @@ TEST_F(LongRun, AnIgnoredHangUpStaysIgnored) {
 // follows it. The plan of pair lines does not depend on times, and is kept as well.
 TEST_F(LongRun, PlansAndGuaranteesAreResumed) {
   const std::pair<std::string, std::vector<std::string>> runs[] = {
-      {kOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
-      {kOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},
+      {kComputeOffice + "--tolerance 2e-3 ", {"--pair-lines"}},
+      {kComputeOffice + "--tolerance 2e-3 --pair-lines off ", {"--directions", "--resolution", "--finest"}},
       {"compute " VIEWPEEL_SCENES "/office.obj --quiet --tolerance 3e-2 --pair-lines off ",
        {"--directions", "--resolution", "--finest", "--unoccluded"}},
       {"compute " VIEWPEEL_SCENES "/plates.obj --quiet --epsilon 0.03 --pair-lines off ", {"--range", "--block"}}};

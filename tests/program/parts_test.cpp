@@ -8,7 +8,6 @@ namespace viewpeel {
 namespace {
 
 namespace fs = std::filesystem;
-const std::string kOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
 
 class Parts : public Program {};
 
@@ -80,7 +79,7 @@ TEST_F(Parts, DirectedPairsGoOnAndMerge) {
 
 // A part counts exactly its replicates, whatever the goal. Merged parts have the bits of one run.
 TEST_F(Parts, PartsCountExactlyTheirReplicates) {
-  const std::string directions = kOffice + "--directions 30 ";
+  const std::string directions = kComputeOffice + "--directions 30 ";
   ASSERT_EQ(run(directions + "--replicates 9 -o " + file("whole.csv")).status, 0);
   std::string inputs;
   for (const char* part : {"1", "2", "3"}) {

@@ -13,6 +13,9 @@
 
 namespace viewpeel {
 
+// The beginning of commands that compute form factors between the surfaces of the office.
+inline const std::string kComputeOffice = "compute " VIEWPEEL_SCENES "/office.obj --quiet --by surface ";
+
 struct Result {
   int status;
   std::string output;  // stdout and stderr

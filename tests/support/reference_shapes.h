@@ -20,6 +20,10 @@ inline Corners rectangle(glm::dvec3 origin, glm::dvec3 u, glm::dvec3 v) {
   return {origin, origin + u, origin + u + v, origin + v};
 }
 
+// A unit square on the ground that faces up, and one above it that faces down.
+inline const Corners kFloor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
+                     kCeiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+
 inline Corners flipped(Corners corners) { return {corners.rbegin(), corners.rend()}; }
 
 inline Corners moved(Corners corners, double scale, glm::dvec3 by) {

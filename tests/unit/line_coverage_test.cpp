@@ -17,9 +17,7 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
-
-const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
-                  kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
+using rt::kCeiling, rt::kFloor;
 
 constexpr double kFalseAlarm = 1e-4;
 

@@ -18,6 +18,7 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
+using rt::kCeiling, rt::kFloor;
 using test::sceneOf;
 
 Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
@@ -27,9 +28,6 @@ Request guaranteeOf(double epsilon, double delta, uint64_t seed = 1) {
   request.seed = seed;
   return request;
 }
-
-const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}),
-                  kCeiling = rt::rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
 // Returns F from a to b past slats in one plane. Each slat takes its share away, for their shadows do not overlap.
 double pastSlats(const rt::Corners& a, const rt::Corners& b, const std::vector<rt::Corners>& slats) {

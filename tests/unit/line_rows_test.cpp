@@ -28,16 +28,16 @@ FormFactors compute(const Scene& scene, double tolerance, uint64_t seed) {
   return computeFormFactors(scene, request).form_factors;
 }
 
-// Errors describes how far the environments of a run's rows are off.
-struct Errors {
+// RowErrors describes how far the environments of a run's rows are off.
+struct RowErrors {
   double mean = 0;            // error, averaged over rows
   double squares = 0;         // sum over rows of the squared error over its standard error
   double largest = 0;         // error
   double largest_stated = 0;  // standard error
 };
 
-Errors compare(const FormFactors& found, const FormFactors& truth) {
-  Errors errors;
+RowErrors compare(const FormFactors& found, const FormFactors& truth) {
+  RowErrors errors;
   for (uint32_t i = 0; i < kTriangles; ++i) {
     const Measured here = found.formFactor(i, kEnvironment), there = truth.formFactor(i, kEnvironment);
     const double error = here.value - there.value;
@@ -57,7 +57,7 @@ TEST(LineRows, EnvironmentHasNoBiasAndItsStandardError) {
   const FormFactors truth = compute(scene, kTolerance / 10, 1000);
   double mean = 0, squares_of_means = 0, squares = 0, largest = 0;
   for (uint64_t seed = 1; seed <= kSeeds; ++seed) {
-    const Errors errors = compare(compute(scene, kTolerance, seed), truth);
+    const RowErrors errors = compare(compute(scene, kTolerance, seed), truth);
     mean += errors.mean / kSeeds, squares_of_means += errors.mean * errors.mean / kSeeds;
     squares += errors.squares / (kSeeds * kTriangles);
     largest = std::max(largest, errors.largest);

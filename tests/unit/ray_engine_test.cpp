@@ -19,7 +19,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-constexpr uint32_t kReplicates = 32;
+constexpr uint32_t kSeries = 32;
 
 // Returns form factors from replicates of this number of rays of each polygon.
 //   In: of_ids: as RayEngine::setRays() takes them, or empty
@@ -27,7 +27,7 @@ FormFactors byRays(const Scene& scene, const Ids& ids, uint32_t rays, std::vecto
   const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
   engine->setRays(std::move(of_ids));
   ReplicateSums sums(ids);
-  for (uint32_t r = 0; r < kReplicates; ++r) sums.add(engine->count(sampleDirections(Sampler::iid, rays, 3, r)));
+  for (uint32_t r = 0; r < kSeries; ++r) sums.add(engine->count(sampleDirections(Sampler::iid, rays, 3, r)));
   const double unit = engine->unitArea() * scene.scale * scene.scale;
   return sums.formFactors(unit / rays, unit);
 }
@@ -74,7 +74,7 @@ TEST(RayEngine, AgreesWithPairLines) {
     for (const By by : {By::polygon, By::surface})
       for (const bool two_sided : {false, true}) {
         SCOPED_TRACE(input.file + (by == By::surface ? ", by surface" : "") + (two_sided ? ", two-sided" : ""));
-        expectNear(byRays(scene, makeIds(scene, by, two_sided), 256), byLines(scene, by, two_sided), 256 * kReplicates);
+        expectNear(byRays(scene, makeIds(scene, by, two_sided), 256), byLines(scene, by, two_sided), 256 * kSeries);
       }
   }
 }
@@ -89,7 +89,7 @@ TEST(RayEngine, PolygonsMayHaveUnequalNumbersOfRays) {
     const Ids ids = makeIds(scene, By::polygon, false);
     std::vector<uint32_t> rays;
     for (uint32_t id = 0; id < ids.count(); ++id) rays.push_back(id % 3 ? kLeast : kMost);
-    expectNear(byRays(scene, ids, kMost, rays), byLines(scene, By::polygon), kLeast * kReplicates);
+    expectNear(byRays(scene, ids, kMost, rays), byLines(scene, By::polygon), kLeast * kSeries);
   }
 }
 
@@ -127,9 +127,8 @@ TEST(RayEngine, CoincidentFacesHaveTheirOrder) {
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
   const FormFactors found = byRays(scene, ids, 256);
-  expectNear(found, byLines(scene, By::polygon), 256 * kReplicates);
-  expectNear(byRays(scene, makeIds(scene, By::polygon, true), 256), byLines(scene, By::polygon, true),
-             256 * kReplicates);
+  expectNear(found, byLines(scene, By::polygon), 256 * kSeries);
+  expectNear(byRays(scene, makeIds(scene, By::polygon, true), 256), byLines(scene, By::polygon, true), 256 * kSeries);
   const auto idOf = [&](const char* name) {
     return static_cast<uint32_t>(std::ranges::find(ids.names, name) - ids.names.begin());
   };
@@ -175,7 +174,7 @@ TEST(RayEngine, NarrowPolygonsHaveRaysInDoublePrecision) {
   EXPECT_EQ(found.formFactor(strip, plate).value, 0);
   // The share of a row's rays that end on a surface errs no more than that of independent rays would. Form factors by
   // lines err by 1e-3.
-  const double error = 6 * std::sqrt(0.25 / (kRays * kReplicates)) + 1e-3;
+  const double error = 6 * std::sqrt(0.25 / (kRays * kSeries)) + 1e-3;
   for (uint32_t j = 0; j < ids.count(); ++j)
     EXPECT_NEAR(found.formFactor(strip, j).value, wanted.formFactor(strip, j).value, error) << ids.names[j];
 }

@@ -18,7 +18,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-InputScene named(const char* name) { return {name, {}, {}}; }
+InputScene emptyScene(const char* name) { return {name, {}, {}}; }
 
 void turn(InputScene& input, size_t face) {
   std::reverse(input.faces[face].corners.begin(), input.faces[face].corners.end());
@@ -41,18 +41,18 @@ TEST(Shells, TouchingSolidsAreSeparateShells) {
     EXPECT_FALSE(shell.is_twisted);
     EXPECT_EQ(std::count(shell.is_against.begin(), shell.is_against.end(), true), 0);
   }
-  InputScene stacked = named("stacked");
+  InputScene stacked = emptyScene("stacked");
   ts::addSolid(stacked, "lower", {0, 0, 0}, {1, 1, 1});
   ts::addSolid(stacked, "upper", {0, 0, 1}, {1, 1, 2});
   EXPECT_EQ(findShells(buildScene(stacked)).size(), 2u);
-  InputScene rooms = named("rooms");
+  InputScene rooms = emptyScene("rooms");
   ts::addRoom(rooms, "left", {0, 0, 0}, {1, 1, 1});
   ts::addRoom(rooms, "right", {1, 0, 0}, {2, 1, 1});
   EXPECT_EQ(findShells(buildScene(rooms)).size(), 2u);
 }
 
 TEST(Shells, AMoebiusStripCannotBeTurned) {
-  InputScene strip = named("strip");
+  InputScene strip = emptyScene("strip");
   const int count = 12;
   const auto at = [&](int k, double side) {
     const double a = 2 * 3.14159265358979 * k / count, half = a / 2, r = 2 + side * std::cos(half);
@@ -96,7 +96,7 @@ TEST(Shells, WhatWasTurnedIsFound) {
   }
   // A single box whose fronts look outward counts as a room that CAD drew inside out. With a ground to see it counts as
   // a solid.
-  InputScene box = named("box");
+  InputScene box = emptyScene("box");
   ts::addSolid(box, "box", {0, 0, 0}, {1, 1, 1});
   EXPECT_EQ(flippedIn(box).size(), 6u);
   ts::addFace(box, "ground", ts::parallelogram({-5, -5, -1}, {10, 0, 0}, {0, 10, 0}));
@@ -104,7 +104,7 @@ TEST(Shells, WhatWasTurnedIsFound) {
 }
 
 TEST(Leaks, HiddenAreaIsMeasured) {
-  InputScene input = named("no bottom");
+  InputScene input = emptyScene("no bottom");
   ts::addRoom(input, "room", {0, 0, 0}, {1, 1, 1});
   ts::addBox(input, "box", {0.2, 0.2, 0}, {0.6, 0.6, 0.5}, false);
   input.faces.erase(input.faces.begin() + 6 + 4);
@@ -132,7 +132,7 @@ TEST(Leaks, HiddenAreaIsMeasured) {
 // changes. Of 16,384 rays 2,000 end on backs, so shares are known to 1 / sqrt(2,000) = 0.022. The test allows four
 // times this, and more for rays that stand for ten times the area of others.
 TEST(Leaks, SharesAreOfRadiation) {
-  InputScene input = named("sheet");
+  InputScene input = emptyScene("sheet");
   ts::addRoom(input, "room", {0, 0, 0}, {1, 1, 1});
   ts::addFace(input, "sheet", ts::parallelogram({0.2, 0.5, 0.2}, {0.6, 0, 0}, {0, 0, 0.6}));
   const Scene scene = buildScene(input);
@@ -162,10 +162,10 @@ TEST(Leaks, SharesAreOfRadiation) {
 // A leak is warned of from a millionth of the radiation on where all edges meet another, elsewhere from a thousandth
 // on.
 TEST(Leaks, WarningsBeginAtTheirShares) {
-  InputScene open = named("open");
+  InputScene open = emptyScene("open");
   ts::addRoom(open, "room", {0, 0, 0}, {1, 1, 1});
   open.faces.pop_back();
-  InputScene closed = named("closed");
+  InputScene closed = emptyScene("closed");
   ts::addRoom(closed, "room", {0, 0, 0}, {1, 1, 1});
   const auto warns = [](const InputScene& input, double share) {
     const Scene scene = buildScene(input);

@@ -30,7 +30,7 @@ const DirectionalLaw kForward{.cosine_power = 3},
     kGrazing{.cosine_power = 0, .angles_deg = {0, 40, 80, 90}, .values = {1, 1, 3, 0}},
     kConstant{.cosine_power = 0, .angles_deg = {0, 90}, .values = {2, 2}};
 
-MaterialTable tableOf(std::vector<MaterialTable::Line> lines, std::optional<double> environment = {}) {
+MaterialTable tableWithLaws(std::vector<MaterialTable::Line> lines, std::optional<double> environment = {}) {
   MaterialTable table{"materials", std::move(lines), environment};
   table.laws = {kForward, kGrazing, kConstant};
   return table;
@@ -150,9 +150,9 @@ TEST(Directional, TwoPlatesAgreeWithQuadrature) {
     const auto truth = heatFluxes(*geometry, model, 24), coarser = heatFluxes(*geometry, model, 16);
     const double quadrature = 1e-6 * first.power();
     const MaterialTable table =
-        tableOf({{"first", with(te::hot(first.emissivity, first.temperature), first.law), 2},
-                 {"second", with(te::hot(second.emissivity, second.temperature), second.law), 3}},
-                geometry->environment_temperature);
+        tableWithLaws({{"first", with(te::hot(first.emissivity, first.temperature), first.law), 2},
+                       {"second", with(te::hot(second.emissivity, second.temperature), second.law), 3}},
+                      geometry->environment_temperature);
     const HeatSolution found =
         solveMatrixFree(buildScene(sceneOf(*geometry)), table, {.by = By::surface, .first_directions = 2048}).heat;
     model.exchanges_cosines = true;
@@ -193,7 +193,7 @@ TEST(Directional, OneTemperatureMeansNoHeat) {
   for (const By by : {By::surface, By::polygon})
     for (const auto& lines : cases) {
       const HeatSolution heat =
-          solveMatrixFree(scene, tableOf(lines), {.by = by, .first_directions = 32, .residual = 1e-12}).heat;
+          solveMatrixFree(scene, tableWithLaws(lines), {.by = by, .first_directions = 32, .residual = 1e-12}).heat;
       ASSERT_EQ(heat.rows.size(), by == By::surface ? 2u : scene.faces.size());
       for (const HeatRow& row : heat.rows) {
         EXPECT_TRUE(isWithin(row.heat_flux.value, 0, 1e-9 * te::power(300))) << row.name;
@@ -213,7 +213,7 @@ TEST(Directional, KirchhoffsLaw) {
   for (const uint32_t law : {0u, 1u}) {
     const auto flowOf = [&](double inner, double outer) {
       const MaterialTable table =
-          tableOf({{"inner", with(te::hot(0.3, inner), law), 2}, {"outer", te::hot(1, outer), 3}});
+          tableWithLaws({{"inner", with(te::hot(0.3, inner), law), 2}, {"outer", te::hot(1, outer), 3}});
       return rowOf(solveMatrixFree(scene, table, {.by = By::surface, .first_directions = 256}).heat, "inner").heat_flow;
     };
     const Measured out = flowOf(400, 300), in = flowOf(300, 400);
@@ -229,7 +229,8 @@ TEST(Directional, KirchhoffsLaw) {
 TEST(Directional, HeatFluxesGiveTemperatures) {
   const Scene scene = buildScene(sceneOf(kUpright));
   const auto solve = [&](const Material& first) {
-    const MaterialTable table = tableOf({{"first", with(first, 0), 2}, {"second", with(te::hot(0.4, 350), 1), 3}}, 250);
+    const MaterialTable table =
+        tableWithLaws({{"first", with(first, 0), 2}, {"second", with(te::hot(0.4, 350), 1), 3}}, 250);
     return solveMatrixFree(scene, table, {.by = By::surface, .first_directions = 64, .residual = 1e-12}).heat;
   };
   const double flux = rowOf(solve(te::hot(0.35, 500)), "first").heat_flux.value;
@@ -243,7 +244,7 @@ TEST(Directional, HeatFluxesGiveTemperatures) {
 TEST(Directional, AConstantLawIsDiffuse) {
   const Scene scene = buildScene(ts::cubeInCube(0.4));
   const auto solve = [&](const Material& inner) {
-    const MaterialTable table = tableOf({{"inner", inner, 2}, {"outer", te::hot(0.5, 300), 3}});
+    const MaterialTable table = tableWithLaws({{"inner", inner, 2}, {"outer", te::hot(0.5, 300), 3}});
     return solveMatrixFree(scene, table, {.first_directions = 16}).heat.rows;
   };
   const auto diffuse = solve(te::hot(0.8, 400)), constant = solve(with(te::hot(0.8, 400), 2)),
@@ -259,7 +260,7 @@ TEST(Directional, TheSameBitsOnAnyNumberOfThreads) {
   const Scene scene = buildScene(ts::cubeInCube(0.4));
   const auto solve = [&](uint32_t threads, By by) {
     const MaterialTable table =
-        tableOf({{"inner", with(te::hot(0.35, 400), 0), 2}, {"outer", with(te::hot(0.2, 300), 1), 3}});
+        tableWithLaws({{"inner", with(te::hot(0.35, 400), 0), 2}, {"outer", with(te::hot(0.2, 300), 1), 3}});
     return solveMatrixFree(scene, table, {.by = by, .first_directions = 16, .threads = threads}).heat.rows;
   };
   for (const By by : {By::surface, By::polygon}) {
@@ -283,9 +284,9 @@ TEST(Directional, RefusesWhatHasNoAnswer) {
     }
     ADD_FAILURE() << "nothing says " << part;
   };
-  refuses(tableOf({{"default", with(te::hot(0.5, 300), 0), 2}}), "would be 1.25 at the angle of most emission");
-  refuses(tableOf({{"default", with(te::hot(0.5, 300), 7), 2}}), "has no directional law");
-  MaterialTable bad = tableOf({{"default", with(te::hot(0.1, 300), 0), 2}});
+  refuses(tableWithLaws({{"default", with(te::hot(0.5, 300), 0), 2}}), "would be 1.25 at the angle of most emission");
+  refuses(tableWithLaws({{"default", with(te::hot(0.5, 300), 7), 2}}), "has no directional law");
+  MaterialTable bad = tableWithLaws({{"default", with(te::hot(0.1, 300), 0), 2}});
   bad.laws[0].cosine_power = -1;
   refuses(bad, "a power of -1");
   // Form factors are of diffuse rows.
@@ -294,7 +295,7 @@ TEST(Directional, RefusesWhatHasNoAnswer) {
   enclosure.laws = {kForward};
   EXPECT_THROW(solveHeat(f, enclosure), Error);
   EXPECT_THROW(findExchangeFactors(f, enclosure), Error);
-  EXPECT_THROW(solveScene(scene, tableOf({{"default", with(te::hot(0.1, 300), 0), 2}})), Error);
+  EXPECT_THROW(solveScene(scene, tableWithLaws({{"default", with(te::hot(0.1, 300), 0), 2}})), Error);
 }
 
 }  // namespace

@@ -21,10 +21,9 @@ namespace {
 
 namespace ts = test_scenes;
 namespace rt = reference::test;
+using rt::kFloor;
 using test::sceneOf;
 using Pair = test::FacePairs;
-
-const rt::Corners kFloor = rt::rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
 
 struct Case {
   const char* name;

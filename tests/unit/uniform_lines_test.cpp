@@ -21,14 +21,10 @@ namespace ts = test_scenes;
 namespace rt = reference::test;
 using Pair = test::FacePairs;
 using glm::dvec3;
+using rt::kCeiling, rt::kFloor, rt::rectangle;
 
 // The error of a correct value exceeds 5.5 standard errors once in 2.6e7.
 constexpr double kStandardErrors = 5.5;
-
-rt::Corners rectangle(dvec3 corner, dvec3 a, dvec3 b) { return {corner, corner + a, corner + a + b, corner + b}; }
-
-const rt::Corners kFloor = rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0});
-const rt::Corners kCeiling = rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0});
 
 TEST(UniformLines, CandidatesBecomeLinesAsOftenAsTheExchangeAreaSays) {
   // The share of accepted candidates is an integral of f, which pair.exchange states independently.
