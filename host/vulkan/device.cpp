@@ -13,6 +13,8 @@
 
 #include <viewpeel/error.h>
 
+#include "vulkan/kernel.h"
+
 namespace viewpeel {
 namespace {
 
@@ -231,7 +233,9 @@ std::vector<DeviceDescription> listDevices() {
   return descriptions;
 }
 
-Device::Device(const DeviceOptions& options) : validation_errors_(std::make_unique<std::vector<std::string>>()) {
+Device::Device(const DeviceOptions& options)
+    : validation_errors_(std::make_unique<std::vector<std::string>>()),
+      pipelines_(std::make_unique<ComputePipelines>()) {
   const char* wanted = std::getenv("VIEWPEEL_VALIDATION");
   const bool validation = options.validation || (wanted && std::strcmp(wanted, "1") == 0);
   instance_ = createInstance(validation);
@@ -279,6 +283,7 @@ Device::Device(const DeviceOptions& options) : validation_errors_(std::make_uniq
 Device::~Device() {
   if (device_) {
     vkDeviceWaitIdle(device_);
+    pipelines_.reset();
     vkDestroyDevice(device_, nullptr);
   }
   // The function is looked up in this instance: the global pointer belongs to the instance that was made last.
@@ -301,6 +306,7 @@ Device& Device::operator=(Device&& other) noexcept {
   std::swap(properties_, other.properties_);
   std::swap(description_, other.description_);
   std::swap(validation_errors_, other.validation_errors_);
+  std::swap(pipelines_, other.pipelines_);
   return *this;
 }
 

@@ -11,6 +11,8 @@
 
 namespace viewpeel {
 
+class ComputePipelines;
+
 class Device {
  public:
   // Throws: Error device where no device will do; it names every device and why it was refused.
@@ -33,6 +35,9 @@ class Device {
   //   In: allowed: bit k is set where type k may be taken    Throws: Error device where there is none.
   uint32_t memoryType(uint32_t allowed, VkMemoryPropertyFlags flags) const;
 
+  // Returns the compute pipelines that were made on this device. They live as long as the device.
+  ComputePipelines& pipelines() const { return *pipelines_; }
+
   // Returns the validation layer's errors since the device was made: none when validation is off.
   const std::vector<std::string>& validationErrors() const;
   bool validationEnabled() const { return messenger_ != VK_NULL_HANDLE; }
@@ -48,6 +53,7 @@ class Device {
   VkPhysicalDeviceProperties properties_{};
   DeviceDescription description_;
   std::unique_ptr<std::vector<std::string>> validation_errors_;
+  std::unique_ptr<ComputePipelines> pipelines_;
 };
 
 // Checks the result of a Vulkan call.

@@ -1,7 +1,6 @@
 #include "vulkan/kernel.h"
 
 #include <array>
-#include <utility>
 
 namespace viewpeel {
 namespace {
@@ -49,14 +48,22 @@ VkPipelineShaderStageCreateInfo ShaderModule::stage(VkShaderStageFlagBits stage)
   return info;
 }
 
-Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
-               const std::vector<uint32_t>& constants, uint32_t texel_buffers)
-    : Kernel() {  // delegates, so that the destructor runs if this body throws
-  device_ = device.handle();
-  stages_ = VK_SHADER_STAGE_COMPUTE_BIT;
+Pipeline::~Pipeline() {
+  vkDestroyPipeline(device, handle, nullptr);
+  vkDestroyPipelineLayout(device, layout, nullptr);
+  vkDestroyDescriptorSetLayout(device, texels, nullptr);
+}
+
+std::shared_ptr<const Pipeline> ComputePipelines::find(const Device& device, std::span<const uint32_t> spirv,
+                                                       uint32_t push_bytes, const std::vector<uint32_t>& constants,
+                                                       uint32_t texel_buffers) {
+  const std::lock_guard lock(mutex_);
+  std::shared_ptr<const Pipeline>& found = made_[{spirv.data(), push_bytes, constants, texel_buffers}];
+  if (found) return found;
+  const auto made = std::make_shared<Pipeline>(device.handle());
   const ShaderModule module(device, spirv);
-  if (texel_buffers) texels_ = createTexelLayout(device_, texel_buffers);
-  layout_ = createLayout(device_, stages_, push_bytes, texels_);
+  if (texel_buffers) made->texels = createTexelLayout(made->device, texel_buffers);
+  made->layout = createLayout(made->device, VK_SHADER_STAGE_COMPUTE_BIT, push_bytes, made->texels);
   VkComputePipelineCreateInfo info{VK_STRUCTURE_TYPE_COMPUTE_PIPELINE_CREATE_INFO};
   info.stage = module.stage(VK_SHADER_STAGE_COMPUTE_BIT);
   std::vector<VkSpecializationMapEntry> entries;
@@ -64,18 +71,24 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t p
   const VkSpecializationInfo specialisation{static_cast<uint32_t>(entries.size()), entries.data(), constants.size() * 4,
                                             constants.data()};
   if (!constants.empty()) info.stage.pSpecializationInfo = &specialisation;
-  info.layout = layout_;
-  check(vkCreateComputePipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), "vkCreateComputePipelines");
+  info.layout = made->layout;
+  check(vkCreateComputePipelines(made->device, VK_NULL_HANDLE, 1, &info, nullptr, &made->handle),
+        "vkCreateComputePipelines");
+  return found = made;
 }
+
+Kernel::Kernel(const Device& device, std::span<const uint32_t> spirv, uint32_t push_bytes,
+               const std::vector<uint32_t>& constants, uint32_t texel_buffers)
+    : made_(device.pipelines().find(device, spirv, push_bytes, constants, texel_buffers)),
+      stages_(VK_SHADER_STAGE_COMPUTE_BIT) {}
 
 Kernel::Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std::span<const uint32_t> fragment_spirv,
                VkFormat colour, VkFormat depth, uint32_t push_bytes, VkCompareOp nearer)
-    : Kernel() {
-  device_ = device.handle();
-  stages_ = VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    : stages_(VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT) {
+  const auto made = std::make_shared<Pipeline>(device.handle());
   const ShaderModule vertex(device, vertex_spirv), fragment(device, fragment_spirv);
   const std::array stages = {vertex.stage(VK_SHADER_STAGE_VERTEX_BIT), fragment.stage(VK_SHADER_STAGE_FRAGMENT_BIT)};
-  layout_ = createLayout(device_, stages_, push_bytes);
+  made->layout = createLayout(made->device, stages_, push_bytes);
   VkPipelineRenderingCreateInfo rendering{VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO};
   rendering.colorAttachmentCount = 1;
   rendering.pColorAttachmentFormats = &colour;
@@ -113,26 +126,10 @@ Kernel::Kernel(const Device& device, std::span<const uint32_t> vertex_spirv, std
   info.pDepthStencilState = &depth_state;
   info.pColorBlendState = &blend;
   info.pDynamicState = &dynamic;
-  info.layout = layout_;
-  check(vkCreateGraphicsPipelines(device_, VK_NULL_HANDLE, 1, &info, nullptr, &pipeline_), "vkCreateGraphicsPipelines");
-}
-
-Kernel::~Kernel() {
-  if (!device_) return;
-  vkDestroyPipeline(device_, pipeline_, nullptr);
-  vkDestroyPipelineLayout(device_, layout_, nullptr);
-  if (texels_) vkDestroyDescriptorSetLayout(device_, texels_, nullptr);
-}
-
-Kernel::Kernel(Kernel&& other) noexcept { *this = std::move(other); }
-
-Kernel& Kernel::operator=(Kernel&& other) noexcept {
-  std::swap(device_, other.device_);
-  std::swap(texels_, other.texels_);
-  std::swap(layout_, other.layout_);
-  std::swap(pipeline_, other.pipeline_);
-  std::swap(stages_, other.stages_);
-  return *this;
+  info.layout = made->layout;
+  check(vkCreateGraphicsPipelines(made->device, VK_NULL_HANDLE, 1, &info, nullptr, &made->handle),
+        "vkCreateGraphicsPipelines");
+  made_ = made;
 }
 
 }  // namespace viewpeel

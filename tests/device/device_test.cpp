@@ -1,11 +1,18 @@
 #include "vulkan/device.h"
 
+#include <iterator>
+#include <set>
+#include <utility>
+#include <vector>
+
 #include <gtest/gtest.h>
 
 #include <viewpeel/error.h>
+#include "shaders/double_math.comp.h"
 #include "tests/support/test_device.h"
 #include "vulkan/buffer.h"
 #include "vulkan/commands.h"
+#include "vulkan/kernel.h"
 
 namespace viewpeel {
 namespace {
@@ -76,6 +83,24 @@ TEST(Device, ValidationSeesAMissingBarrier) {
     for (const std::string& message : device.validationErrors())
       EXPECT_NE(message.find("SYNC-HAZARD-WRITE-AFTER-WRITE"), std::string::npos) << message;
   }
+}
+
+TEST(Kernel, KernelsThatAreAlikeShareAPipeline) {
+  Device device({.validation = true});
+  const auto pipelineOf = [&](uint32_t push_bytes, const std::vector<uint32_t>& constants, uint32_t texel_buffers) {
+    return Kernel(device, double_math_comp, push_bytes, constants, texel_buffers).pipeline();
+  };
+  const VkPipeline first = pipelineOf(20, {}, 0);
+  EXPECT_NE(first, VkPipeline(VK_NULL_HANDLE));
+  EXPECT_EQ(pipelineOf(20, {}, 0), first);
+  const VkPipeline others[] = {pipelineOf(24, {}, 0), pipelineOf(20, {1}, 0), pipelineOf(20, {2}, 0),
+                               pipelineOf(20, {}, 1)};
+  EXPECT_EQ(device.pipelines().count(), 1 + std::size(others));
+  EXPECT_EQ(std::set<VkPipeline>(std::begin(others), std::end(others)).size(), std::size(others));
+  // A device that is moved takes its pipelines along.
+  const Device moved = std::move(device);
+  EXPECT_EQ(Kernel(moved, double_math_comp, 20).pipeline(), first);
+  EXPECT_TRUE(moved.validationErrors().empty());
 }
 
 TEST(Buffer, ImpossibleSizeIsAnErrorThatNamesIt) {
