@@ -1,5 +1,5 @@
-// Lanes hold a number for each of sixteen lines, or of eight blockers; few vector instructions act on all. Without
-// contraction every lane rounds as a scalar would, so results are the same bits everywhere.
+// Lanes hold a number for each of sixteen lines, or of eight blockers or points of a rule; few vector instructions act
+// on all. Without contraction every lane rounds as a scalar would, so results are the same bits everywhere.
 //
 // Vulkan devices round sums, differences and products in single precision correctly, quotients and roots to 2.5 ulp or
 // worse. Devices must draw the same lines as the processor, so lines are computed by sums, differences, products and
