@@ -92,7 +92,8 @@ void EdgeSum::evaluate() {
         Doubles value_lanes, size_lanes;
         for (size_t k = 0; k < count; k += kLanes) {
           const auto x = load<Doubles>(&along[k]), y = load<Doubles>(&rest[k]), d = load<Doubles>(&distance[k]),
-                     w = load<Doubles>(&weight[k]), s = d * d, smallest(kLeast);
+                     w = load<Doubles>(&weight[k]);
+          const Doubles s = d * d, smallest(kLeast);
           const Doubles first = 0.5 * x * logOf(greatest(x * x + s, smallest)),
                         last = 0.5 * y * logOf(greatest(y * y + s, smallest)),
                         turn = d * angleOf(s - y * x + smallest, d * (x + y));
