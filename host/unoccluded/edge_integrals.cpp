@@ -77,8 +77,8 @@ double integrateParallel(const Edge& p, const Edge& q, double& error) {
   return sum;
 }
 
-// The inner integral of docs/method.md, eq. (38), over the edge q has 1 + ln r in place of ln r, which saves terms: the
-// 1 adds up to nothing around a polygon.
+// The inner integral, over the edge q, is that of docs/method.md, eq. (38), with 1 + ln r in place of ln r. The 1 adds
+// nothing along closed contours, and saves terms.
 void EdgeSum::evaluate() {
   constexpr size_t kLanes = kBlockerLanes;
   static_assert(kMostPoints % kLanes == 0);
@@ -146,7 +146,8 @@ void EdgeRules::add(Edge p, Edge q, size_t round, EdgeSum& sum) const {
   const size_t points = rule.at.size();
   const double length_q = std::sqrt(square_q);
   const dvec3 direction = q.along / length_q, from = p.start - q.start;
-  // A point t of p is this far along q, and from its line: start + t slope.
+  // The point at the fraction t of p is along_start + t along_slope far along q. Its distance from the line of q is the
+  // length of across_start + t across_slope.
   const double along_start = dot(from, direction), along_slope = dot(p.along, direction);
   const dvec3 across_start = cross(from, direction), across_slope = cross(p.along, direction);
   for (size_t piece = 0; piece < kMostPieces; ++piece) {

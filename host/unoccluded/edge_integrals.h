@@ -50,7 +50,7 @@ class EdgeRules {
   // Adds int_p int_q (1 + ln r) ds . dt to a sum that is to be evaluated afterwards. The outer integral, over the
   // shorter edge, is by a Gauss rule.
   //   In: round: of kLineRounds; later rounds have more points
-  //   Out: sum: its error is raised by a bound on the error of the rule, and by rounding
+  //   Out: sum: its value and error are raised; the error by bounds on the error of the rule and on rounding
   void add(Edge p, Edge q, size_t round, EdgeSum& sum) const;
 
  private:
