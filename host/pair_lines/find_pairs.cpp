@@ -5,6 +5,7 @@
 #include <deque>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include <glm/glm.hpp>
 
@@ -250,38 +251,53 @@ class PairFinder::Search {
   void findPair(uint32_t one, uint32_t other, const BlockerList& from) {
     const auto [p, q] = std::minmax(one, other);
     if (areFar(endOf(p), endOf(q))) return;
-    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
-    const bool is_contact = a.plane == b.plane;
+    // Where small pairs are left out, most of the pairs here are small, and few are hidden.
+    std::optional<HostUnoccluded::Found> exchange;
+    if (least_of_side_ > 0 && isLeftOut(p, q, exchange)) return;
     const size_t before = found.between.size();
-    if (is_contact) {
-      // Both patches lie in one plane. Of the blockers that cover the first patch, only the ones that lie in front of
-      // the second patch, too, are between the two: their level (levelOf) is between the patches' heights.
-      for (const uint32_t k : finder_.covers_[p])
-        if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
-    } else {
-      if (finder_.is_covered_[p] || finder_.is_covered_[q]) return;
-      between_.clear();
-      PatchShaft shaft(a, b);
-      ++found.work.shafts, found.work.tests += from.size();
-      // The blocker that hid the last pair often hides the next one.
-      if (from.size() > 0 && shaft.isHiddenBy(finder_.blockers_[last_hider_], vectors_)) return;
-      if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
-        last_hider_ = between_.back();
-        return;
-      }
-      if (curtain_.hides(a, b, shaft, between_, vectors_)) return;
-      for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
-      for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
-      for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
-    }
-    const auto [exchange, error, is_reached] = finder_.unoccluded_.findClosely({a.side, b.side}, work_);
-    if (!(exchange > 0) || areSmall(a, b, exchange)) {
+    if (isHidden(p, q, from) || (!exchange && isLeftOut(p, q, exchange))) {
       found.between.resize(before);
       return;
     }
     ++pair_count_;
     const auto count = static_cast<uint32_t>(found.between.size() - before);
-    found.pairs.push_back({p, q, exchange, error, static_cast<uint32_t>(before), count});
+    found.pairs.push_back({p, q, exchange->area, exchange->error, static_cast<uint32_t>(before), count});
+  }
+
+  // Returns whether two patches exchange nothing with nothing in between, or so little that they are left out.
+  //   Out: exchange: of the two
+  bool isLeftOut(uint32_t p, uint32_t q, std::optional<HostUnoccluded::Found>& exchange) {
+    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
+    exchange = finder_.unoccluded_.findClosely({a.side, b.side}, work_);
+    return !(exchange->area > 0) || areSmall(a, b, exchange->area);
+  }
+
+  // Returns whether a blocker or a curtain hides two patches from each other. Else it appends the blockers between the
+  // two to found.between.    In: p, q: p < q
+  bool isHidden(uint32_t p, uint32_t q, const BlockerList& from) {
+    const Patch &a = finder_.patches_[p], &b = finder_.patches_[q];
+    if (a.plane == b.plane) {
+      // Both patches lie in one plane. Of the blockers that cover the first patch, only the ones that lie in front of
+      // the second patch, too, are between the two: their level (levelOf) is between the patches' heights.
+      for (const uint32_t k : finder_.covers_[p])
+        if (stepsInFront(finder_.blockers_[k], b) > 0) found.between.push_back({k, BlockerPlace::over_first});
+      return false;
+    }
+    if (finder_.is_covered_[p] || finder_.is_covered_[q]) return true;
+    between_.clear();
+    PatchShaft shaft(a, b);
+    ++found.work.shafts, found.work.tests += from.size();
+    // The blocker that hid the last pair often hides the next one.
+    if (from.size() > 0 && shaft.isHiddenBy(finder_.blockers_[last_hider_], vectors_)) return true;
+    if (shaft.isHidden(finder_.blockers_, from, between_, vectors_)) {
+      last_hider_ = between_.back();
+      return true;
+    }
+    if (curtain_.hides(a, b, shaft, between_, vectors_)) return true;
+    for (const uint32_t k : between_) found.between.push_back({k, BlockerPlace::between});
+    for (const uint32_t k : finder_.covers_[p]) found.between.push_back({k, BlockerPlace::over_first});
+    for (const uint32_t k : finder_.covers_[q]) found.between.push_back({k, BlockerPlace::over_second});
+    return false;
   }
 
   const PairFinder& finder_;
