@@ -150,6 +150,7 @@ std::string describePlan(const FormFactorRun& run) {
   if (plan.guarantee) return describeGuarantee(request, plan);
   if (plan.line_guarantee) return describeLineGuarantee(request, plan);
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  const auto* seconds = std::get_if<Seconds>(&request.goal);
   const std::string goal =
       plan.no_promise.empty()
           ? ""
@@ -158,7 +159,8 @@ std::string describePlan(const FormFactorRun& run) {
                             ? fmt::format(", {} {}",
                                           plan.aims_at_largest_error ? "largest error about" : "standard errors up to",
                                           tolerance->standard_error)
-                            : "",
+                        : seconds ? fmt::format(", as good as {} allow", inWords(seconds->seconds))
+                                  : "",
                         plan.no_promise);
   if (plan.pair_lines) return goal + describePairLines(*plan.pair_lines, plan, request.seed);
   const std::string no_lines =

@@ -46,8 +46,8 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->check([](const std::string& text) { return isNumber(text, 0, 1); })
       ->capture_default_str();
   addGoal("--seconds", options->seconds,
-          "For a first look: as many replicates as fit into this time, 2 at least; with a goal: stop short of it when "
-          "time is up",
+          "For limited time: errors as small as this time allows; with a goal: stop short of it when time is up. A run "
+          "has 2 replicates at least",
           "S");
   addGoal("--epsilon", options->epsilon,
           "For a bound to cite: every form factor within E with probability 1 - D, and in an interval; see --delta",

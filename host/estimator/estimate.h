@@ -40,6 +40,8 @@ struct EstimateOptions {
   // The run starts no replicate that would end after this time, even if fewer than `replicates` are done. A run has two
   // replicates at least, and a resumed run counts one more at least.
   std::optional<double> seconds;
+  // Whether the time is the goal: `tolerance` says how fine the lines are, and the run goes on while time is left.
+  bool is_timed = false;
   uint64_t seed = 1;
   // The plan takes so few directions that a replicate has about this number of counts at most. A pilot keeps so few
   // pairs that it needs no more memory.

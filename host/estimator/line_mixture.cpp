@@ -111,19 +111,27 @@ bool mayFindAll(const PairNumbers& pairs) {
   return pairs.found <= double(kMostPatchPairs) && pairs.facing <= kMostFacingPairs;
 }
 
+double secondsOfLines(const PairNumbers& pairs, bool is_open) {
+  return is_open ? secondsInOpen(pairs) : secondsInClosed(pairs);
+}
+
+double secondsWithDirections(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
+  return secondsOfFew(work.pairs, secondsInClosed(work.pairs), work.pairs.large) +
+         countedPairs(work, mixture, replicates) * kSecondsOfCount;
+}
+
+double secondsWithRays(const PairNumbers& pairs, double rays) {
+  return secondsOfFew(pairs, secondsInOpen(pairs), pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
+}
+
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
-  if (!mayFindAll(work.pairs)) return false;
-  const double all = secondsInClosed(work.pairs);
-  const double of_mixture =
-      secondsOfFew(work.pairs, all, work.pairs.large) + countedPairs(work, mixture, replicates) * kSecondsOfCount;
-  return all <= std::max(kSoon, kWorth * of_mixture);
+  return mayFindAll(work.pairs) &&
+         secondsInClosed(work.pairs) <= std::max(kSoon, kWorth * secondsWithDirections(work, mixture, replicates));
 }
 
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
-  if (!mayFindAll(pairs)) return true;
-  const double all = secondsInOpen(pairs);
-  const double of_mixture = secondsOfFew(pairs, all, pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
-  return all > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) * of_mixture);
+  return !mayFindAll(pairs) || secondsInOpen(pairs) > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) *
+                                                                          secondsWithRays(pairs, rays));
 }
 
 double secondsOfRays(double rays) { return kSecondsOfRay * rays; }
@@ -141,7 +149,7 @@ double mostSecondsOfDirectionsAlone(const PairNumbers& pairs, size_t face_count,
   // In a closed scene common directions would count the small pairs of a mixture. Form factors between surfaces, which
   // are sums of many such pairs, then hardly reach a goal. So the alternative there is lines for all pairs.
   if (is_open && is_large) return secondsBesideRays(pairs, face_count) / kWorth;
-  const double all = is_open ? secondsInOpen(pairs) : secondsInClosed(pairs);
+  const double all = secondsOfLines(pairs, is_open);
   return all > kSoon ? all / (may_promise ? kPromiseWorth : kWorthBesideRays) : 0;
 }
 

@@ -65,6 +65,12 @@ bool mayFindAll(const PairNumbers& pairs);
 // Along a direction nearly every face sees another one on one side, so that at least a quarter as many pairs as faces
 // are counted.
 bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
+// These are processor seconds of finding pairs and counting: with lines for all pairs, in a mixture with common
+// directions, and in a mixture with this number of rays of all polygons, in all replicates.
+//   Error: fits on some scenes and processors (line_mixture.cpp), within a factor of 2 there
+double secondsOfLines(const PairNumbers& pairs, bool is_open);
+double secondsWithDirections(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
+double secondsWithRays(const PairNumbers& pairs, double rays);
 // Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time, or
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);

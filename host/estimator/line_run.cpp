@@ -29,8 +29,9 @@ constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that
 // A run ends short of its goal after this multiple of its planned replicates, for errors may stay as they are where the
 // weights of a pair's lines are very uneven.
 constexpr uint64_t kMostReplicateGrowth = 8;
-// The same where only rows that miss the goal have further rays, and the most replicates that these have at once.
-constexpr uint64_t kMostReplicateGrowthWithRays = 64;
+// The same where only rows that miss the goal have further rays, or where the time is the goal.
+constexpr uint64_t kLargeReplicateGrowth = 64;
+// Rows have further rays in at most this number of replicates at once.
 constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.
@@ -144,8 +145,8 @@ void LineRun::measureErrors() {
   if (hasCountedPairs() && options_.by == By::polygon) return measureErrorsOfMixture();
   std::optional<FormFactors> all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(*all);
-  if (hasCountedPairs()) planFurther(findWantingBetweenSurfaces(*all), {});
-  else planFurther(findWanting(*all), findRowExcess(*all));
+  if (hasCountedPairs()) planFurther(excessOfPairs(findWantingBetweenSurfaces(*all), {}), 1);
+  else planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all)));
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();
   if (is_large) returnFreedMemory();
@@ -205,7 +206,7 @@ void LineRun::measureErrorsOfMixture() {
     }
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
-  planFurther(wanting, findRowExcessOfLines());
+  planFurther(excessOfPairs(wanting, findRowExcessOfLines()), 1);
 }
 
 // Returns the entries between surfaces whose lines are too few, as findWanting(), where common directions have counted
@@ -231,34 +232,45 @@ LineRun::Wanting LineRun::findWantingBetweenSurfaces(const FormFactors& all) {
   return wanting;
 }
 
-// Plans the next replicate: lines that bring the wanting entries and rows to the goal, and common directions if an
-// entry needs them. All pairs of a wanting row get more lines in one proportion. If instead the pairs with the largest
-// errors got them, sums would be too small: a pair of which no line was clear seems certain, and would keep its 0,
-// while pairs that have had a clear line by chance would lose what they are above their expectation.
+// Returns each pair's error over the error that its entry and its rows allow; 0 where none of them wants lines, and
+// nothing where no pair does. All pairs of a wanting row get more lines in one proportion. If instead the pairs with
+// the largest errors got them, sums would be too small: a pair of which no line was clear seems certain, and would keep
+// its 0, while pairs that have had a clear line by chance would lose what they are above their expectation.
 //   In: row_excess: from findRowExcess() or findRowExcessOfLines(), or empty
-void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row_excess) {
+std::vector<double> LineRun::excessOfPairs(const Wanting& wanting, const std::vector<double>& row_excess) const {
+  if (wanting.empty() && std::ranges::none_of(row_excess, [](double row) { return row > 1; })) return {};
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
-  const bool is_wanting = !wanting.empty() || std::ranges::any_of(row_excess, [](double row) { return row > 1; });
-  further_.assign(is_wanting ? pairs.size() : 0, 0);
-  is_reached_ = true;
-  for (size_t k = 0; k < further_.size(); ++k) {
+  std::vector<double> all(pairs.size());
+  for (size_t k = 0; k < all.size(); ++k) {
     if (pairs[k].blocks == 0) continue;
     const Key key = entryOf(pairs[k], sums_.lines->ids(), options_.by);
     const auto at = std::ranges::lower_bound(wanting, key, {}, &std::pair<Key, double>::first);
-    double excess = at != wanting.end() && at->first == key ? at->second : 0;
+    if (at != wanting.end() && at->first == key) all[k] = at->second;
     for (const uint32_t id : {key.first, key.second})
-      if (id < row_excess.size()) excess = std::max(excess, row_excess[id]);
-    if (!(excess > 1)) continue;
+      if (id < row_excess.size()) all[k] = std::max(all[k], row_excess[id]);
+  }
+  return all;
+}
+
+// Plans the next replicate: lines that bring the wanting entries and rows to the goal, and common directions if an
+// entry needs them.
+//   In: excess: from excessOfPairs(); relief: goals are this much coarser
+void LineRun::planFurther(const std::vector<double>& excess, double relief) {
+  const std::vector<LinePair>& pairs = sums_.lines->pairs();
+  further_.assign(excess.size(), 0);
+  is_reached_ = std::ranges::none_of(excess, [](double of_pair) { return of_pair > 1; });
+  bool is_wanting = false;
+  for (size_t k = 0; k < further_.size(); ++k) {
+    if (!(excess[k] > relief)) continue;
     // The number of lines is proportional to the error to the power of -8/5. kMostGrowth limits it, because an error
     // from few lines is rough.
-    const double lines = std::min(kSpare * std::pow(excess, 8.0 / 5), kMostGrowth) - 1,
+    const double lines = std::min(kSpare * std::pow(excess[k] / relief, 8.0 / 5), kMostGrowth) - 1,
                  times = lines * double(sums_.lines->sumOf(k).blocks) / pairs[k].blocks;
     further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));
-    is_reached_ = false;
+    is_wanting = true;
   }
-  if (is_reached_) further_.clear();
-  const bool may_go_on = sums_.replicateCount() <
-                         (hasFurtherRays() ? kMostReplicateGrowthWithRays : kMostReplicateGrowth) * options_.replicates;
+  if (!is_wanting) further_.clear();
+  const bool may_go_on = mayGoOn();
   if (!may_go_on) further_.clear();
   is_further_ = !further_.empty();
   if (!hasCountedPairs() || !needs_directions_) return;
@@ -266,6 +278,37 @@ void LineRun::planFurther(const Wanting& wanting, const std::vector<double>& row
   if (!may_go_on || double(sums_.by_id.pairs().size()) >= kMostCountedPairs) return;
   further_.resize(pairs.size(), 0);
   is_further_ = true;
+}
+
+// Plans the next replicate as planFurther(). Where it would not end before the time limit, the lines are those of the
+// finest goals for which it takes half of the time that is left. Where the time is the goal, it never takes more.
+void LineRun::planFurtherInTime(const std::vector<double>& excess) {
+  constexpr double kLeastPart = 0.1;  // of the time so far: a shorter replicate would improve little
+  constexpr int kHalvings = 8;
+  planFurther(excess, 1);
+  const double left = secondsLeft(), most = left / 2;
+  if (!is_further_ || secondsOfNext() <= (options_.is_timed ? most : left)) return;
+  double fitting = std::ranges::max(excess), not_fitting = 1;  // reliefs: with the first one no pair gets lines
+  for (int k = 0; k < kHalvings && most > kLeastPart * secondsSince(start_); ++k) {
+    const double middle = std::sqrt(fitting * not_fitting);
+    planFurther(excess, middle);
+    (!is_further_ || secondsOfNext() <= most ? fitting : not_fitting) = middle;
+  }
+  planFurther(excess, fitting);
+}
+
+// Returns whether there may be replicates beyond the planned ones.
+bool LineRun::mayGoOn() const {
+  const uint64_t growth = hasFurtherRays() || options_.is_timed ? kLargeReplicateGrowth : kMostReplicateGrowth;
+  return sums_.replicateCount() < growth * options_.replicates;
+}
+
+// Returns the seconds that the next replicate is expected to take.
+double LineRun::secondsOfNext() const {
+  const uint64_t done = sums_.replicateCount();
+  const double mean = secondsSince(start_) / std::max(double(done - resumed_count_), 1.0);
+  return is_further_ && !needs_directions_ ? mean * furtherLines() / (double(sums_.lines->lineCount()) / double(done))
+                                           : mean;
 }
 
 // Returns an entry's error over the error that the goals allow.
@@ -278,11 +321,10 @@ double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const 
 
 bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
-  const auto done_here = double(done - resumed_count_);
-  double next = secondsSince(start_) / std::max(done_here, 1.0);
-  if (is_further_ && !needs_directions_) next *= furtherLines() / (double(sums_.lines->lineCount()) / double(done));
-  if (options_.seconds && done >= 2 && done_here > 0 && secondsSince(start_) + next > *options_.seconds) return true;
-  return done >= options_.replicates && (options_.is_exact || !is_further_);
+  if (done >= 2 && done > resumed_count_ && secondsOfNext() > secondsLeft()) return true;
+  // Where the time is the goal, counted pairs, environment and leak gain from each further replicate.
+  const bool goes_on = options_.is_timed && hasCountedPairs() && mayGoOn();
+  return done >= options_.replicates && (options_.is_exact || (!is_further_ && !goes_on));
 }
 
 // Returns the number of further lines in the next replicate.
@@ -293,11 +335,12 @@ double LineRun::furtherLines() const {
   return lines;
 }
 
-// Returns how many of the planned replicates have their lines and rays drawn at once: one where there is a time limit,
-// and few where there are many lines or rays, for meanwhile a run can neither end nor be saved.
+// Returns how many of the planned replicates have their lines and rays drawn at once: few where there are many lines or
+// rays, for meanwhile a run can neither end nor be saved. Where there is a time limit, the first replicate tells how
+// many more fit.
 size_t LineRun::replicatesAhead() const {
   const uint64_t done = sums_.replicateCount();
-  if (options_.seconds || done >= options_.replicates) return 1;
+  if (done >= options_.replicates || (options_.seconds && done == resumed_count_)) return 1;
   double lines = 0, counts = 0;
   for (const LinePair& pair : sums_.lines->pairs()) {
     lines += pair.linesIn(1);
@@ -307,6 +350,7 @@ size_t LineRun::replicatesAhead() const {
   if (options_.rays)
     most = std::min({most, kMostRaysAhead / options_.rays->raysOfReplicate(options_.directions),
                      double(kMostDirectionsTogether) / options_.directions});
+  if (options_.seconds) most = std::min(most, secondsLeft() / secondsOfNext());
   return std::clamp<size_t>(static_cast<size_t>(most), 1, options_.replicates - done);
 }
 

@@ -51,7 +51,12 @@ class LineRun {
   std::vector<double> findRowExcessOfLines() const;
   Wanting findWanting(const FormFactors& all) const;
   Wanting findWantingBetweenSurfaces(const FormFactors& all);
-  void planFurther(const Wanting& wanting, const std::vector<double>& row_excess);
+  std::vector<double> excessOfPairs(const Wanting& wanting, const std::vector<double>& row_excess) const;
+  void planFurther(const std::vector<double>& excess, double relief);
+  void planFurtherInTime(const std::vector<double>& excess);
+  double secondsLeft() const { return options_.seconds ? *options_.seconds - secondsSince(start_) : INFINITY; }
+  double secondsOfNext() const;
+  bool mayGoOn() const;
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;

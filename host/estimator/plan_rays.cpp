@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
+#include <tuple>
+#include <utility>
 
 #include "directions/replicates.h"
 #include "directions/sampler.h"
@@ -24,33 +26,16 @@ constexpr uint32_t kMostRaysOfRow = 1 << 20;
 // No polygon has fewer rays than this share of the most: they count the pairs between polygons, too.
 constexpr double kLeastShare = 1.0 / 8;
 
-// A Row sums up what the pilot's rays have found about one row: its environment, or its leak.
-struct Row {
-  double sum = 0, squares = 0;  // of its shares in each replicate
-
-  double variance() const {
-    return std::max(0.0, squares - sum * sum / kRayPilotReplicates) / (kRayPilotReplicates - 1);
-  }
-  // Returns the variance of this share by independent rays.    In: rays: of a replicate
-  double binomial(double rays) const {
-    const double all = rays * kRayPilotReplicates, share = (sum * rays + 0.5) / (all + 1);
-    return share * (1 - share) / rays;
-  }
-};
-
-// RowAreas are sums over each row's faces.
-struct RowAreas {
-  std::vector<double> areas, squares;  // of areas
-};
-
-RowAreas sumAreas(const Ids& face_ids, const std::vector<uint32_t>& row_of_face) {
+// Returns by row the sum of its faces' areas, and the sum of their squares.
+std::pair<std::vector<double>, std::vector<double>> sumAreas(const Ids& face_ids,
+                                                             const std::vector<uint32_t>& row_of_face) {
   const size_t row_count = *std::ranges::max_element(row_of_face) + size_t{1};
-  RowAreas sums{std::vector<double>(row_count), std::vector<double>(row_count)};
+  std::vector<double> areas(row_count), squares(row_count);
   for (size_t face = 0; face < row_of_face.size(); ++face) {
-    sums.areas[row_of_face[face]] += face_ids.areas[face];
-    sums.squares[row_of_face[face]] += face_ids.areas[face] * face_ids.areas[face];
+    areas[row_of_face[face]] += face_ids.areas[face];
+    squares[row_of_face[face]] += face_ids.areas[face] * face_ids.areas[face];
   }
-  return sums;
+  return {std::move(areas), std::move(squares)};
 }
 
 // Returns the largest form factor of each row to a row of at least its area, or to itself. Smaller rows do not count,
@@ -86,61 +71,76 @@ double guessRaysAlone(const Ids& face_ids, const EstimateOptions& options) {
   return all;
 }
 
-PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                     const std::vector<uint32_t>& row_of_face, const EstimateOptions& options) {
-  const RowAreas sums = sumAreas(face_ids, row_of_face);
-  const std::vector<double>&areas = sums.areas, &squares = sums.squares;
-  const size_t row_count = areas.size();
-  const bool may_be_alone = mayHaveRaysAlone(options);
+double RayPlanner::Row::variance() const {
+  return std::max(0.0, squares - sum * sum / kRayPilotReplicates) / (kRayPilotReplicates - 1);
+}
+
+// Returns the variance of this share by independent rays.    In: rays: of a replicate
+double RayPlanner::Row::binomial(double rays) const {
+  const double all = rays * kRayPilotReplicates, share = (sum * rays + 0.5) / (all + 1);
+  return share * (1 - share) / rays;
+}
+
+RayPlanner::RayPlanner(RayEngine& engine, const Scene& scene, const Ids& face_ids, std::vector<uint32_t> row_of_face,
+                       uint64_t seed, bool counts_pairs)
+    : row_of_face_(std::move(row_of_face)) {
+  std::tie(areas_, square_areas_) = sumAreas(face_ids, row_of_face_);
+  const size_t row_count = areas_.size();
+  environment_.resize(row_count), leak_.resize(row_count);
   const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / kPilotRays;
-  std::vector<Row> environment(row_count), leak(row_count);
-  std::vector<double> largest;
   const std::vector<Direction> directions =
-      sampleReplicates(Sampler::iid, kPilotRays, options.seed, kRayReplicates.first, kRayPilotReplicates);
-  if (may_be_alone)
-    largest = largestShares(engine.count(std::span(directions).first(kPilotRays)), row_of_face, areas, count_area);
-  const std::vector<uint32_t> all_blocks(row_of_face.size(), kRayPilotReplicates);
+      sampleReplicates(Sampler::iid, kPilotRays, seed, kRayReplicates.first, kRayPilotReplicates);
+  if (counts_pairs)
+    largest_ = largestShares(engine.count(std::span(directions).first(kPilotRays)), row_of_face_, areas_, count_area);
+  const std::vector<uint32_t> all_blocks(row_of_face_.size(), kRayPilotReplicates);
   for (const PairCounts& counts : engine.countOutside(directions, kPilotRays, all_blocks)) {
     std::vector<double> left(row_count), leaked(row_count);
     for (const PairCount& count : counts) {
-      const uint32_t row = row_of_face[count.i];
-      (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas[row];
+      const uint32_t row = row_of_face_[count.i];
+      (count.j == kLeak ? leaked : left)[row] += double(count.count) * count_area / areas_[row];
     }
     for (size_t row = 0; row < row_count; ++row) {
-      environment[row].sum += left[row], environment[row].squares += left[row] * left[row];
-      leak[row].sum += leaked[row], leak[row].squares += leaked[row] * leaked[row];
+      environment_[row].sum += left[row], environment_[row].squares += left[row] * left[row];
+      leak_[row].sum += leaked[row], leak_[row].squares += leaked[row] * leaked[row];
     }
   }
-  // A row of many faces has rays of all of them, whose shares in it are their areas.
-  const auto raysOf = [&](size_t row) { return kPilotRays * areas[row] * areas[row] / squares[row]; };
   double variance = 0, binomial = 0;
-  for (const std::vector<Row>* rows : {&environment, &leak})
+  for (const std::vector<Row>* rows : {&environment_, &leak_})
     for (size_t row = 0; row < row_count; ++row)
       variance += (*rows)[row].variance(), binomial += (*rows)[row].binomial(raysOf(row));
-  const double efficiency = variance / binomial, degrees = kRayPilotReplicates - 1,
-               margin = kRayMargin / std::sqrt(double(options.replicates)),
+  efficiency_ = variance / binomial;
+}
+
+// Returns the number of independent rays that tell as much of a row as the pilot's: a row of many faces has rays of all
+// of them, whose shares in it are their areas.
+double RayPlanner::raysOf(size_t row) const { return kPilotRays * areas_[row] * areas_[row] / square_areas_[row]; }
+
+PlannedRays RayPlanner::plan(const EstimateOptions& options) const {
+  const size_t row_count = areas_.size();
+  const bool may_be_alone = !largest_.empty();
+  const double degrees = kRayPilotReplicates - 1, margin = kRayMargin / std::sqrt(double(options.replicates)),
                errors_in_goal = margin * errorsInRowGoal(row_count);
   const auto needOf = [&](const Row& of, size_t row) {
-    const double expected = efficiency * of.binomial(raysOf(row)),
+    const double expected = efficiency_ * of.binomial(raysOf(row)),
                  likely = (degrees * of.variance() + kBinomialDegrees * expected) / (degrees + kBinomialDegrees);
     const double error = errors_in_goal * std::sqrt(std::max(likely, expected));
     return kPilotRays * std::pow(error / options.allowedError(of.sum / kRayPilotReplicates), 1 / kRayRate);
   };
   // Errors of form factors between surfaces are taken to be those of independent rays.
   const auto needOfPairs = [&](size_t row) {
-    const double share = std::min(0.5, (largest[row] * raysOf(row) + 0.5) / (raysOf(row) + 1)),
+    const double share = std::min(0.5, (largest_[row] * raysOf(row) + 0.5) / (raysOf(row) + 1)),
                  error = margin * kErrorsInGoal * std::sqrt(share * (1 - share) / raysOf(row));
     return kPilotRays * std::pow(error / *options.tolerance, 2);
   };
   const auto raysOfFaces = [&](const std::vector<double>& needs, double least_share) {
     const double least = least_share * *std::ranges::max_element(needs);
     std::vector<uint32_t> rays;
-    for (const uint32_t row : row_of_face) rays.push_back(RayEngine::usualRays(std::max(least, needs[row])));
+    for (const uint32_t row : row_of_face_) rays.push_back(RayEngine::usualRays(std::max(least, needs[row])));
     return rays;
   };
   std::vector<double> outside(row_count), alone(row_count);
   for (size_t row = 0; row < row_count; ++row) {
-    outside[row] = std::min(double(kMostRaysOfRow), std::max(needOf(environment[row], row), needOf(leak[row], row)));
+    outside[row] = std::min(double(kMostRaysOfRow), std::max(needOf(environment_[row], row), needOf(leak_[row], row)));
     if (may_be_alone) alone[row] = std::min(double(kMostRaysOfRow), std::max(outside[row], needOfPairs(row)));
   }
   return {raysOfFaces(outside, kLeastShare), may_be_alone ? raysOfFaces(alone, 0) : std::vector<uint32_t>()};

@@ -1,4 +1,4 @@
-// planRays() says how many rays of its own each polygon needs (ray_engine.h).
+// A RayPlanner says how many rays of its own each polygon needs (ray_engine.h).
 //
 // Rays mostly go into the environment. How much a row's environment errs depends on the row: that of a roof without a
 // taller neighbour is nearly certain. A pilot of a few rays measures these errors.
@@ -37,12 +37,33 @@ bool mayHaveRaysAlone(const EstimateOptions& options);
 //   Error: in three cities at 0.03 to 0.003 the guess was 1 to 1.5 times the number then planned
 double guessRaysAlone(const Ids& face_ids, const EstimateOptions& options);
 
-// Returns how many rays each face has in a replicate.
-//   In: engine: counts by face, all faces with equal numbers of rays; row_of_face: uint32_t[faces], the row of the
-//     result; options: goals, replicates, seed
-//   Out: a function of scene and seed
-//   Error: the pilot is rough, so that some rows need more replicates.
-PlannedRays planRays(RayEngine& engine, const Scene& scene, const Ids& face_ids,
-                     const std::vector<uint32_t>& row_of_face, const EstimateOptions& options);
+class RayPlanner {
+ public:
+  // Casts the pilot.
+  //   In: engine: counts by face, all faces with equal numbers of rays; row_of_face: uint32_t[faces], the row of
+  //     the result; seed: of the run; counts_pairs: whether PlannedRays::alone is wanted
+  RayPlanner(RayEngine& engine, const Scene& scene, const Ids& face_ids, std::vector<uint32_t> row_of_face,
+             uint64_t seed, bool counts_pairs);
+  // Returns how many rays each face has in a replicate.
+  //   In: options: goals, replicates    Out: a function of scene, seed and options
+  //   Error: the pilot is rough, so that some rows need more replicates.
+  PlannedRays plan(const EstimateOptions& options) const;
+
+ private:
+  // A Row sums up what the pilot's rays have found about one row: its environment, or its leak.
+  struct Row {
+    double sum = 0, squares = 0;  // of its shares in each replicate
+
+    double variance() const;
+    double binomial(double rays) const;
+  };
+  double raysOf(size_t row) const;
+
+  std::vector<uint32_t> row_of_face_;
+  std::vector<double> areas_, square_areas_;  // by row: sums of its faces' areas, and of their squares
+  std::vector<Row> environment_, leak_;       // by row
+  std::vector<double> largest_;               // by row: its largest form factor to a row of at least its area; or none
+  double efficiency_ = 1;                     // variances of environments and leaks, over those of independent rays
+};
 
 }  // namespace viewpeel

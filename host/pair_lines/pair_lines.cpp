@@ -108,7 +108,7 @@ void PairLines::forgetClearParts() {
   parts_.pairs = std::move(kept);
 }
 
-PairNumbers PairLines::estimatePairs(double least_form_factor) const {
+PairSample PairLines::samplePairs() const {
   const std::vector<Patch>& patches = finder_.patches();
   const auto isInFront = [](const Patch& of, const Patch& other) {
     return std::ranges::any_of(other.corners, [&](const glm::dvec3& corner) {
@@ -126,20 +126,27 @@ PairNumbers PairLines::estimatePairs(double least_form_factor) const {
     const bool is_pair = a.id != b.id && ((a.emits && b.receives) || (b.emits && a.receives));
     if (is_pair && isInFront(a, b) && isInFront(b, a)) facing.emplace_back(p, q);
   }
-  const double each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
-  const std::vector<PatchPair> found = finder_.findAmong(facing);
-  const double least_of_side = least_form_factor * ids_.sides();
-  const auto isLarge = [&](const PatchPair& pair) {
-    return pair.exchange >= least_of_side * std::min(patches[pair.a].area, patches[pair.b].area);
-  };
-  const auto large = std::ranges::count_if(found, isLarge);
-  const auto small_of_parts = std::ranges::count_if(found, [&](const PatchPair& pair) {
-    return (patches[pair.a].is_part || patches[pair.b].is_part) && !isLarge(pair);
-  });
-  const auto blocked = std::ranges::count_if(found, [](const PatchPair& pair) { return pair.blocker_count > 0; });
-  return {each * double(facing.size()), each * double(finder_.countReachingLeaves(facing)),
-          each * double(found.size()),  each * double(large),
-          each * double(blocked),       each * double(small_of_parts)};
+  PairSample sample;
+  sample.each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
+  sample.facing = facing.size();
+  sample.decided = finder_.countReachingLeaves(facing);
+  for (const PatchPair& pair : finder_.findAmong(facing)) {
+    const Patch &a = patches[pair.a], &b = patches[pair.b];
+    sample.found.push_back(
+        {pair.exchange / (ids_.sides() * std::min(a.area, b.area)), pair.blocker_count > 0, a.is_part || b.is_part});
+  }
+  return sample;
+}
+
+PairNumbers PairSample::numbersFor(double least_form_factor) const {
+  const auto countOf = [&](const auto& predicate) { return each * double(std::ranges::count_if(found, predicate)); };
+  const auto isLarge = [&](const Pair& pair) { return pair.form_factor >= least_form_factor; };
+  return {each * double(facing),
+          each * double(decided),
+          each * double(found.size()),
+          countOf(isLarge),
+          countOf([](const Pair& pair) { return pair.is_blocked; }),
+          countOf([&](const Pair& pair) { return pair.is_part && !isLarge(pair); })};
 }
 
 PairLinesFigures PairLines::figures() const {

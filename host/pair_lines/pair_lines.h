@@ -46,6 +46,20 @@ struct PairNumbers {
   double small_of_parts = 0;
 };
 
+// A PairSample is a random sample of pairs of patches, from which their numbers are estimated.
+struct PairSample {
+  struct Pair {
+    double form_factor;        // unoccluded, from the smaller polygon
+    bool is_blocked, is_part;  // whether something may block it; whether it is of a face of several polygons
+  };
+  double each = 0;  // number of pairs that one of the sample stands for
+  size_t facing = 0, decided = 0;
+  std::vector<Pair> found;  // as PairNumbers::found
+
+  // Returns the numbers of pairs.    In: least_form_factor: of large pairs, unoccluded, from the smaller polygon
+  PairNumbers numbersFor(double least_form_factor) const;
+};
+
 // A UniformTask asks for independent lines of one part of a pair.
 struct UniformTask {
   uint32_t part;           // PairLines::Part::index
@@ -81,10 +95,10 @@ class PairLines {
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
-  // Estimates how many pairs there are, from a sample of 4,096 pairs.
-  //   In: least_form_factor: of large pairs, unoccluded, from the smaller polygon
-  //   Error: the standard errors are at most 0.8 % of all pairs of patches    Cost: as PairFinder::findAmong.
-  PairNumbers estimatePairs(double least_form_factor) const;
+  // Draws a sample of 4,096 pairs.
+  //   Error: standard errors of PairNumbers are at most 0.8 % of all pairs of patches
+  //   Cost: as PairFinder::findAmong.
+  PairSample samplePairs() const;
   PairLinesFigures figures() const;
   // Returns what find() has done.
   const FindingWork& findingWork() const { return parts_.work; }

@@ -23,10 +23,13 @@ bool mayUseUnoccluded(const Request& request) {
 
 bool mayUsePairLines(const Request& request) {
   const auto* guarantee = std::get_if<EpsilonDelta>(&request.goal);
+  const Amount amount = amountOf(request);
+  // Parts of a run must have one plan, which measured times must not decide.
+  const bool is_timed = std::holds_alternative<Seconds>(request.goal) && !amount.is_exact && !request.first_replicate;
   const bool has_goal =
-      std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal) ||
+      is_timed || std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal) ||
       (guarantee && guarantee->statistic == Statistic::mean && !(guarantee->range > 0) && !guarantee->block_directions);
-  return request.engine != EngineKind::exact && has_goal && !amountOf(request).directions;
+  return request.engine != EngineKind::exact && has_goal && !amount.directions;
 }
 
 std::string optionAgainstPairLines(const Request& request) {
@@ -78,8 +81,8 @@ void checkRequest(const Request& request) {
   if (request.pair_lines.value_or(false)) {
     if (!mayUsePairLines(request))
       refuse(
-          "--pair-lines on needs a goal by --tolerance, --relative or --epsilon, and any engine but exact; leave out "
-          "--directions, --seconds without a tolerance, --statistic median, --range and --block");
+          "--pair-lines on needs a goal by --tolerance, --relative, --seconds or --epsilon, and any engine but exact; "
+          "leave out --directions, --statistic median, --range and --block, and give parts a tolerance");
     if (request.unoccluded.has_value())
       refuse("--pair-lines on always takes unoccluded form factors; leave out --unoccluded");
   }

@@ -46,10 +46,11 @@ std::string FormFactorRun::State::takeDirectionsAlone() {
   Plan found = planEstimate(setup.scene(), setup.ids(), options, lattices, most);
   if (!found.engine) return "";
   if (mayHaveRays() && setup.scene().polygons.size() <= kMostPolygonsOfRays &&
-      secondsOfRays(pilotRays() + kLeastOfGuess * guessRaysAlone(setup.faceIds(), setup.estimate())) < found.seconds &&
-      secondsOfRays(numberOfRays(plannedRays().alone)) < found.seconds) {
-    countAlongRays(raysAlone(plannedRays().alone));
-    return "";
+      secondsOfRays(pilotRays() + kLeastOfGuess * guessRaysAlone(setup.faceIds(), setup.estimate())) < found.seconds) {
+    if (PlannedRays planned = planRays(); secondsOfRays(numberOfRays(planned.alone)) < found.seconds) {
+      countAlongRays(raysAlone(std::move(planned.alone)));
+      return "";
+    }
   }
   found.seconds /= setup.request().threads ? setup.request().threads : double(threadCount());
   plan_between_surfaces = std::move(found);

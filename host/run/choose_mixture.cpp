@@ -13,6 +13,7 @@
 #include "run/rules.h"
 #include "run/run_state.h"
 #include "sums/line_form_factors.h"
+#include "threads.h"
 
 namespace viewpeel {
 namespace {
@@ -59,6 +60,8 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (resumed) {
     const double least = resumed->sums.lines->leastFormFactor(), most = least * kMostOfCounted;
     constexpr double kRounding = 1e-9;
+    if (setup.estimate().is_timed)
+      setup.setTimedTolerance(least > 0 && least < kAllCounted ? std::min(most, kCoarsestTimed) : kFinestTimed);
     if (least > 0 && least < kAllCounted && setup.mixture().least_form_factor < (1 - kRounding) * least)
       throw Error(
           ErrorCode::bad_usage,
@@ -69,6 +72,8 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     makeLineEngine();
     return "";
   }
+  if (setup.estimate().is_timed)
+    if (std::string why = takeTimedTolerance(counts); !why.empty()) return why;
   if (std::string why = takeDirectionsAlone(); !why.empty()) return why;
   if (line_mixture.countsAll() || !setup.plansWhichPairs()) return "";
   const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
@@ -95,10 +100,40 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
 }
 
+// Chooses the tolerance of a run whose goal is a time: the finest one for which the costs of line_mixture.h take half
+// of the time that is left. The other half is for what these costs do not contain, and for their error.
+//   In: counts: along pilot directions    Out: the reason where pairs get no lines, else empty
+std::string FormFactorRun::State::takeTimedTolerance(const PairCounts& counts) {
+  const EstimateOptions& options = setup.estimate();
+  const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
+               most = 0.5 * threads * std::max(0.0, *options.seconds - secondsSince(*start));
+  // Of sums over many polygons of an open scene common directions say more.
+  const bool suits_all = (options.by == By::polygon || !may_leave) && mayFindAll(pairNumbers()) &&
+                         secondsOfLines(pairNumbers(), may_leave) <= most;
+  if (suits_all || !mayPayMixture(setup.faceIds().count()) || setup.request().pair_lines.value_or(false)) {
+    setup.setTimedTolerance(kFinestTimed);
+    return "";
+  }
+  const bool may_have_rays = mayHaveRays();
+  if (options.by == By::surface || !setup.plansWhichPairs() || !setup.request().question.isEverything() ||
+      (may_leave && !may_have_rays))
+    return "lines for all pairs would take longer than --seconds";
+  const auto fits = [&](double tolerance) {
+    setup.setTimedTolerance(tolerance);
+    const LineWork work{pairNumbers(), double(counts.size()) / kPilotDirections};
+    return (may_have_rays ? secondsWithRays(work.pairs, numberOfRays(planRays().outside))
+                          : secondsWithDirections(work, setup.mixture(), options.replicates)) <= most;
+  };
+  double tolerance = kCoarsestTimed;
+  while (tolerance > kFinestTimed && fits(tolerance / 2)) tolerance /= 2;
+  setup.setTimedTolerance(tolerance);
+  return "";
+}
+
 // Returns estimates of how many pairs of polygons there are, whose lines may have to be found.
-const PairNumbers& FormFactorRun::State::pairNumbers() {
-  if (!pair_numbers) pair_numbers = pair_lines->estimatePairs(setup.mixture().least_form_factor);
-  return *pair_numbers;
+PairNumbers FormFactorRun::State::pairNumbers() {
+  if (!pair_sample) pair_sample = pair_lines->samplePairs();
+  return pair_sample->numbersFor(setup.mixture().least_form_factor);
 }
 
 // Returns whether each polygon may have rays of its own: where the scene and the request suit rays, and lines for the
@@ -120,15 +155,17 @@ double FormFactorRun::State::pilotRays() const {
   return double(setup.scene().polygons.size()) * kPilotRays * kRayPilotReplicates;
 }
 
-// Returns the numbers of rays that polygons need. They are planned once, with ray_engine.
-const PlannedRays& FormFactorRun::State::plannedRays() {
-  if (planned_rays) return *planned_rays;
-  const Ids& face_ids = setup.faceIds();
-  std::vector<uint32_t> rows = face_ids.surface;
-  if (setup.estimate().by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
-  ray_engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
-  planned_rays = planRays(*ray_engine, setup.scene(), face_ids, rows, setup.estimate());
-  return *planned_rays;
+// Returns the numbers of rays that polygons need. Their pilot is cast once, with ray_engine.
+PlannedRays FormFactorRun::State::planRays() {
+  const EstimateOptions& options = setup.estimate();
+  if (!ray_planner) {
+    const Ids& face_ids = setup.faceIds();
+    std::vector<uint32_t> rows = face_ids.surface;
+    if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
+    ray_engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
+    ray_planner.emplace(*ray_engine, setup.scene(), face_ids, std::move(rows), options.seed, mayHaveRaysAlone(options));
+  }
+  return ray_planner->plan(options);
 }
 
 // Returns the number of rays of all polygons, in all replicates.
@@ -145,7 +182,7 @@ bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
   PairNumbers none_large = numbers;  // as if rays counted all pairs
   if (may_be_alone) none_large.large = none_large.small_of_parts = 0;
   if (!paysRays(none_large, pilotRays(), mayPromise())) return false;
-  const PlannedRays& planned = plannedRays();
+  const PlannedRays planned = planRays();
   const double beside = numberOfRays(planned.outside);
   const bool pays_mixture = paysRays(numbers, beside, mayPromise());
   if (may_be_alone) {
@@ -160,7 +197,7 @@ bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
   return pays_mixture;
 }
 
-// Plans to count along rays of plannedRays().
+// Plans to count along rays of planRays().
 void FormFactorRun::State::countAlongRays(LineMixture mixture) {
   if (no_promise.empty())
     refusePromise("a promise needs lines of all pairs, which take more than twice the time of rays");

@@ -21,6 +21,8 @@ namespace viewpeel {
 namespace {
 
 constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is tested against some 10 blockers
+constexpr double kPlannedTimed = 1e-2;   // finest tolerance for which lines are planned where the time is the goal
+constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit, even if all of it has been spent
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
@@ -163,15 +165,21 @@ void FormFactorRun::State::planPairLines() {
 
 // Plans the lines of each pair for an estimate.    In: line_pairs: from findLinePairs()
 void FormFactorRun::State::planEstimateLines() {
-  const EstimateOptions& options = setup.estimate();
+  EstimateOptions options = setup.estimate();
+  // Where the time is the goal, measured errors say how many further lines pairs need. They say it better than pilots,
+  // and at no cost.
+  if (options.is_timed) options.tolerance = std::max(*options.tolerance, kPlannedTimed);
   if (resumed) {
     requireSamePairs(line_pairs, resumed->sums.lines->pairs());
     line_pairs = resumed->sums.lines->pairs();
     pair_lines->cut(line_pairs);
   } else {
-    // Half of the time is kept for finding pairs, and for further lines where errors are still too large.
+    // Half of the time that is left is kept for further lines, where errors are still too large.
     const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
-                 most_lines = options.seconds ? *options.seconds / 2 * threads / kSecondsOfLine : INFINITY;
+                 left = options.seconds
+                            ? std::max(*options.seconds - secondsSince(*start), kLeastLeft * *options.seconds)
+                            : INFINITY,
+                 most_lines = left / 2 * threads / kSecondsOfLine;
     // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
     // 1 by as much as all lines of a row err together.
     const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));

@@ -47,13 +47,13 @@ struct FormFactorRun::State {
   std::optional<EstimateRun> estimate_run;
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
-  std::optional<PairNumbers> pair_numbers;  // estimated
-  LineMixture line_mixture{};               // pairs with lines, and directions that count the others
-  RayEngine* rays = nullptr;                // the plan's engine, where it counts along rays
-  std::unique_ptr<RayEngine> ray_engine;    // until the plan has it
-  std::optional<PlannedRays> planned_rays;  // for ray_engine
-  std::vector<LinePair> line_pairs;         // as found, then with their planned lines
-  double finding_seconds = 0;               // that it took to find them
+  std::optional<PairSample> pair_sample;
+  LineMixture line_mixture{};             // pairs with lines, and directions that count the others
+  RayEngine* rays = nullptr;              // the plan's engine, where it counts along rays
+  std::unique_ptr<RayEngine> ray_engine;  // until the plan has it
+  std::optional<RayPlanner> ray_planner;  // of ray_engine
+  std::vector<LinePair> line_pairs;       // as found, then with their planned lines
+  double finding_seconds = 0;             // that it took to find them
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
@@ -113,7 +113,7 @@ struct FormFactorRun::State {
   uint64_t replicateCount() const { return line_guarantee ? line_guarantee->lookCount() : sums().replicateCount(); }
 
   std::string takeDirectionsAlone();
-  const PairNumbers& pairNumbers();
+  PairNumbers pairNumbers();
   Plan makeFixedPlan() const;
   Plan makePlanOfRequest();
   void makePlan();
@@ -124,9 +124,10 @@ struct FormFactorRun::State {
   bool mayHaveRays() const;
   bool mayPromise() const;
   double pilotRays() const;
-  const PlannedRays& plannedRays();
+  PlannedRays planRays();
   double numberOfRays(const std::vector<uint32_t>& of_faces) const;
   bool takeRays(const PairNumbers& numbers);
+  std::string takeTimedTolerance(const PairCounts& counts);
   void countAlongRays(LineMixture mixture);
   void useRays(std::unique_ptr<RayEngine> engine);
   bool fitMixture(LineMixture mixture, LineWork& work);

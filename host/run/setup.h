@@ -70,6 +70,8 @@ class Setup {
   void takeBackPromise();
   // Continues without pair lines: coincident polygons have no order, or there are too many pairs.
   void leaveOutPairLines();
+  // Sets the tolerance of a run whose goal is a time (EstimateOptions::is_timed).
+  void setTimedTolerance(double tolerance) { estimate_.tolerance = tolerance; }
   // Returns whether the request left open whether to use unoccluded form factors, so that the run may do without.
   bool unoccludedByDefault() const { return unoccluded_by_default_; }
   void leaveOutUnoccluded() { unoccluded_ = false; }
@@ -97,6 +99,7 @@ class Setup {
   void settleUnoccluded();
   void settlePairLines();
   std::string reasonAgainstPairLines() const;
+  void settleTimed();
   void chooseEngine();
   void requireWhatEnginesHave() const;
   void settleDirections();

@@ -32,7 +32,7 @@ struct Relative {
   double standard_error = 0.01;  // above 0
 };
 
-// A run with Seconds counts as many replicates as fit into this time, two at least.
+// A run with Seconds has the lines, rays or directions that fit into this time, and two replicates at least.
 struct Seconds {
   double seconds = 60;  // above 0
 };

@@ -247,7 +247,7 @@ TEST(PairFinder, APatchIsNotBehindItsOwnWall) {
   EXPECT_GT(behind_count, 10u);
 }
 
-// Single pairs are decided against all blockers, clusters against the few that are left. The sample of estimatePairs()
+// Single pairs are decided against all blockers, clusters against the few that are left. The sample of samplePairs()
 // has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64. Five standard
 // errors are allowed. A curtain may hide a row of patches, though it is not found for each of its pairs.
 TEST(PairFinder, SinglePairsAreCounted) {
@@ -268,7 +268,7 @@ TEST(PairFinder, SinglePairsAreCounted) {
                   finder.findAmong(std::span(all).subspan(all.size() / 2)).size(),
               each);
     constexpr double kLeast = 1e-3;
-    const PairNumbers numbers = PairLines(scene, ids, false, 1).estimatePairs(kLeast);
+    const PairNumbers numbers = PairLines(scene, ids, false, 1).samplePairs().numbersFor(kLeast);
     const double allowed = 5 * patch_count / 16.0 * patch_count / 16.0;
     EXPECT_NEAR(numbers.found, double(found), allowed);
     const PatchPairs large = finder.find(2, {}, kLeast);

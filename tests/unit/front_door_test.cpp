@@ -409,7 +409,8 @@ TEST(FrontDoor, ContradictionsAreRefused) {
   EXPECT_NE(refusal({.goal = FixedAmount{.finest = 128}}).find("--finest"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .unoccluded = true}).find("whole matrix"), std::string::npos);
   EXPECT_NE(refusal({.question = {.from = {"floor"}}, .balance = true}).find("every row"), std::string::npos);
-  EXPECT_NE(refusal({.goal = Seconds{}, .pair_lines = true}).find("--tolerance, --relative or --epsilon"),
+  EXPECT_EQ(refusal({.goal = Seconds{}, .pair_lines = true}), "");
+  EXPECT_NE(refusal({.goal = Seconds{}, .amount = {.is_exact = true}, .pair_lines = true}).find("parts a tolerance"),
             std::string::npos);
   EXPECT_NE(refusal({.amount = {.directions = 64}, .pair_lines = true}).find("--directions"), std::string::npos);
   EXPECT_NE(refusal({.unoccluded = true, .pair_lines = true}).find("leave out --unoccluded"), std::string::npos);

@@ -48,7 +48,7 @@ TEST(RayMixture, PaysWhereTheGoalIsRoughAndPairsAreMany) {
   EXPECT_TRUE(mixture.hasRays());
   EXPECT_DOUBLE_EQ(mixture.least_form_factor, 0.03 / kMostOfCounted);
   EXPECT_EQ(mixture.directions, 64u);
-  // PairLines::estimatePairs finds these numbers in the cities of 1,016, 6,604 and 19,994 triangles, for pairs above
+  // PairLines::samplePairs finds these numbers in the cities of 1,016, 6,604 and 19,994 triangles, for pairs above
   // 0.01, 0.01 and 0.0033. Lines for all pairs took 0.6, 17 and 183 s of CPU time. The search decides all these pairs
   // alone or in rows.
   const PairNumbers small{9.95e4, 9.95e4, 7.77e4, 4.66e3, 4.32e4}, medium{5.37e6, 5.37e6, 2.23e6, 3.73e4, 1.73e6},
@@ -297,7 +297,8 @@ TEST(RayMixture, RaysGoToRowsThatErr) {
   constexpr double kFineGoal = 0.02;
   const auto planAll = [&](const std::vector<uint32_t>& rows, double goal, uint64_t seed, By by) {
     const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
-    return planRays(*engine, scene, ids, rows, {.replicates = kReplicates, .tolerance = goal, .seed = seed, .by = by});
+    const EstimateOptions options{.replicates = kReplicates, .tolerance = goal, .seed = seed, .by = by};
+    return RayPlanner(*engine, scene, ids, rows, seed, mayHaveRaysAlone(options)).plan(options);
   };
   const auto plan = [&](const std::vector<uint32_t>& rows, double goal, uint64_t seed = 1) {
     const PlannedRays planned = planAll(rows, goal, seed, By::polygon);
