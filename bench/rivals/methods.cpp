@@ -233,9 +233,7 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   std::vector<Ladder::Rung> tolerances;  // time is taken as proportional to 1 / tolerance
   for (const double tolerance : {1e-1, 3e-2, 1e-2, 3e-3, 1e-3, 3e-4, 1e-4, 3e-5, 1e-5})
     tolerances.push_back({tolerance, 1 / tolerance});
-  // Rougher tolerances take common directions, and in many scenes longer than the first one by pair lines.
-  std::vector<Ladder::Rung> by_lines(tolerances.begin() + 2, tolerances.end());
-  ladders.push_back({"planned", "", "tolerance", true, by_lines, [viewpeel] { return viewpeel->planned({}); }});
+  ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned({}); }});
   ladders.push_back(
       {"planned_directions", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(false); }});
   ladders.push_back(
