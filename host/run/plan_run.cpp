@@ -21,11 +21,18 @@ namespace viewpeel {
 namespace {
 
 constexpr double kSecondsOfLine = 4e-8;  // of one thread, where a line is tested against some 10 blockers
-constexpr double kPlannedTimed = 1e-2;   // finest tolerance for which lines are planned where the time is the goal
 constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit, even if all of it has been spent
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
+
+// Returns the tolerance that about so many lines reach, in proportion to their number to the power of -5/8. For 1e-3
+// the pairs that something may block have 175 lines each in the office, and 240 in a city of 1,016 triangles.
+double toleranceOfLines(const std::vector<LinePair>& pairs, double lines) {
+  constexpr double kTolerance = 1e-3, kLinesOfPair = 200;
+  const auto blocked = std::ranges::count_if(pairs, [](const LinePair& pair) { return pair.clear < pair.exchange; });
+  return kTolerance * std::pow(kLinesOfPair * double(blocked) / lines, 5.0 / 8);
+}
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
@@ -166,9 +173,6 @@ void FormFactorRun::State::planPairLines() {
 // Plans the lines of each pair for an estimate.    In: line_pairs: from findLinePairs()
 void FormFactorRun::State::planEstimateLines() {
   EstimateOptions options = setup.estimate();
-  // Where the time is the goal, measured errors say how many further lines pairs need. They say it better than pilots,
-  // and at no cost.
-  if (options.is_timed) options.tolerance = std::max(*options.tolerance, kPlannedTimed);
   if (resumed) {
     requireSamePairs(line_pairs, resumed->sums.lines->pairs());
     line_pairs = resumed->sums.lines->pairs();
@@ -180,6 +184,7 @@ void FormFactorRun::State::planEstimateLines() {
                             ? std::max(*options.seconds - secondsSince(*start), kLeastLeft * *options.seconds)
                             : INFINITY,
                  most_lines = left / 2 * threads / kSecondsOfLine;
+    if (options.is_timed) options.tolerance = std::max(*options.tolerance, toleranceOfLines(line_pairs, most_lines));
     // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
     // 1 by as much as all lines of a row err together.
     const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));
