@@ -139,21 +139,20 @@ void Setup::settleUnoccluded() {
 // Decides whether to use pair lines. In large scenes a guarantee has them, and so may a tolerance of the whole matrix:
 // there the plan says which pairs get them (line_mixture.h).
 void Setup::settlePairLines() {
-  pair_lines_ = mayUsePairLines(request_);
-  settleTimed();
+  settleTimed(mayUsePairLines(request_));  // reasonAgainstPairLines() looks at the tolerance
   no_pair_lines_ = reasonAgainstPairLines();
   const bool is_promise = request_.promise.value_or(false);  // then pair lines are used whatever they cost
   pair_lines_ = request_.pair_lines.value_or(is_promise || no_pair_lines_.empty());
-  settleTimed();
+  settleTimed(pair_lines_);
   if (pair_lines_) restrictToQuestion(request_.question, scene_, face_ids_);
 }
 
 // Gives a run whose goal is a time a tolerance where it has pair lines, until the plan knows what the time allows. By
 // common directions alone such a run has none.
-void Setup::settleTimed() {
+void Setup::settleTimed(bool has_pair_lines) {
   if (!std::holds_alternative<Seconds>(request_.goal)) return;
-  estimate_.is_timed = pair_lines_;
-  estimate_.tolerance = pair_lines_ ? std::optional(kCoarsestTimed) : std::nullopt;
+  estimate_.is_timed = has_pair_lines;
+  estimate_.tolerance = has_pair_lines ? std::optional(kCoarsestTimed) : std::nullopt;
 }
 
 // Returns why pair lines are not used by default; empty where they are.
@@ -218,7 +217,7 @@ void Setup::takeBackPromise() { request_.goal = estimated_goal_; }
 
 void Setup::leaveOutPairLines() {
   pair_lines_ = false;
-  settleTimed();
+  settleTimed(pair_lines_);
   if (guarantee()) sampler_ = nameOf(guaranteeOptions().sampler);
 }
 
@@ -305,7 +304,7 @@ GuaranteeOptions Setup::guaranteeOptions() const {
 void Setup::adoptPlan(const Settings& stored) {
   if (stored.empty()) return;
   pair_lines_ = findSetting(stored, "--pair-lines") == "on";
-  settleTimed();
+  settleTimed(pair_lines_);
   if (findSetting(stored, kAimsAtLargestError)) countSurfaces();
   if (unoccluded_by_default_ && unoccluded_possible_) {
     unoccluded_ = findSetting(stored, "--unoccluded") == "on";

@@ -99,7 +99,7 @@ class Setup {
   void settleUnoccluded();
   void settlePairLines();
   std::string reasonAgainstPairLines() const;
-  void settleTimed();
+  void settleTimed(bool has_pair_lines);
   void chooseEngine();
   void requireWhatEnginesHave() const;
   void settleDirections();

@@ -101,8 +101,8 @@ struct Request {
   // by the predicted time.
   std::optional<bool> unoccluded;
   // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
-  // They replace common directions. The goal must be a Tolerance, Relative or EpsilonDelta. Unset: the run decides, by
-  // the predicted time.
+  // They replace common directions. The goal must be a Tolerance, Relative, Seconds or EpsilonDelta. Unset: the run
+  // decides, by the predicted time.
   std::optional<bool> pair_lines;
   // A Tolerance T is promised: it becomes the guarantee EpsilonDelta{T, 0.01} with rows, so every form factor is within
   // T with probability 0.99, and has an interval. Unset: where the run costs at most twice an estimate, or half

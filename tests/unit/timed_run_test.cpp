@@ -103,8 +103,8 @@ TEST(TimedRun, EndsWhereAllIsExact) {
   EXPECT_NEAR(result.form_factors.formFactor(0, 1).value, 0.1998248957, 1e-7);  // Howell, C-11
 }
 
-// Further replicates are as large as all before them, and errors stay honest: chance exceeds 6 of them in less than 1 of
-// 1,000 runs (Student, 7 degrees of freedom).
+// Further replicates are as large as all before them, and errors stay honest: chance exceeds 6 of them in less than 1
+// of 1,000 runs (Student, 7 degrees of freedom).
 TEST(TimedRun, FurtherLinesFollowTheErrors) {
   const InputScene input = ts::squaresPastABlocker();
   const std::vector<InputFace>& faces = input.faces;
