@@ -63,7 +63,7 @@ ClosedExchange closeRows(const FormFactors& form_factors) {
     closed.environment_is_rest[entry.i] = std::abs(form_factors.rowSums()[entry.i].value - 1) < kRowRounding;
   }
   const double area = closed.areas.sum();
-  closed.is_open = environment > kGrazingShare * area && environment > kBeyondDoubt * std::sqrt(variance);
+  closed.is_open = environment > kGrazingShare * area && environment > kErrorsOfOpenScene * std::sqrt(variance);
   if (!closed.is_open) {
     closed.environment.setZero();
     closed.environment_is_rest.assign(n, false);

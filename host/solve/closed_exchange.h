@@ -11,7 +11,7 @@
 namespace viewpeel {
 
 // An environment larger than this many standard errors is real: a normal error exceeds it once in 147,000 cases.
-constexpr double kBeyondDoubt = 4.5;
+constexpr double kErrorsOfOpenScene = 4.5;
 
 // A ClosedExchange has the exchange areas x_ij between all rows, and x_ie with the environment. A row's lack, by which
 // its entries miss its area, is on its diagonal.

@@ -94,7 +94,7 @@ void PeeledExchange::draw(uint32_t directions, uint64_t round) {
   for (const double of_replicate : leaving) squares += std::pow(of_replicate - mean, 2);
   const double error = std::sqrt(squares / (kProductReplicateCount * (kProductReplicateCount - 1.0)));
   const double area = closed_.areas.sum();
-  closed_.is_open = mean > kGrazingShare * area && mean > kBeyondDoubt * error;
+  closed_.is_open = mean > kGrazingShare * area && mean > kErrorsOfOpenScene * error;
   closed_.environment_share = closed_.is_open ? mean / area : 0;
   closed_.environment = VectorXd::Zero(n);
   up_share_ = VectorXd::Constant(n, 0.5);
