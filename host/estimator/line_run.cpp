@@ -31,7 +31,7 @@ constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that
 constexpr uint64_t kMostReplicateGrowth = 8;
 // The same where only rows that miss the goal have further rays, or where the time is the goal.
 constexpr uint64_t kLargeReplicateGrowth = 64;
-// Rows have further rays in at most this number of replicates at once.
+// Before errors are measured again, a row gets rays in at most this number of further replicates.
 constexpr double kMostFurtherRays = 16;
 // Lines of several replicates are drawn at once where they are at most this many, which takes some 5 s of CPU time, and
 // have at most this many counts, 200 MB.

@@ -111,8 +111,8 @@ RayPlanner::RayPlanner(RayEngine& engine, const Scene& scene, const Ids& face_id
   efficiency_ = variance / binomial;
 }
 
-// Returns the number of independent rays that tell as much of a row as the pilot's: a row of many faces has rays of all
-// of them, whose shares in it are their areas.
+// Returns the number of rays, all of equal weight, that would give a row's share with the pilot's variance. Rays of a
+// row's larger faces weigh more, for every face has the same number of rays.
 double RayPlanner::raysOf(size_t row) const { return kPilotRays * areas_[row] * areas_[row] / square_areas_[row]; }
 
 PlannedRays RayPlanner::plan(const EstimateOptions& options) const {

@@ -26,8 +26,9 @@ constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
 
-// Returns the tolerance that about so many lines reach, in proportion to their number to the power of -5/8. For 1e-3
-// the pairs that something may block have 175 lines each in the office, and 240 in a city of 1,016 triangles.
+// Returns the tolerance that a run with this number of lines is expected to reach. It is proportional to the number to
+// the power of -5/8. At 1e-3 a pair that something may block has 175 lines on average in the office, and 240 in a city
+// of 1,016 triangles.
 double toleranceOfLines(const std::vector<LinePair>& pairs, double lines) {
   constexpr double kTolerance = 1e-3, kLinesOfPair = 200;
   const auto blocked = std::ranges::count_if(pairs, [](const LinePair& pair) { return pair.clear < pair.exchange; });
