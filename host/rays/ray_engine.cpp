@@ -27,15 +27,16 @@ namespace {
 using glm::dvec3;
 using Point = LaneVector<float>;
 
-// Rays from polygons up to the width kNarrow, some 30 times kRayReach, start in double precision, which takes ten times
-// as long. At most the share kMostNarrow of a scene's polygons may be so narrow.
-constexpr double kNarrow = 1e-5, kMostNarrow = 0.05;
-constexpr double kLeastSize = 1e-6;        // root of the least area of a polygon: counts of smaller ones might overflow
+// A polygon narrower than this share of half its perimeter is a sliver: single precision would move starts by more than
+// 1e-3 of its width. Slivers have rays in double precision, which take kCostOfSliver times as long.
+constexpr double kSliver = 1e-4, kCostOfSliver = 10;
 constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single precision
-constexpr double kUnitShare = 0x1p-14;     // of the smallest polygon's area: what one count stands for
-constexpr size_t kChunk = 16;              // polygons that a thread takes at once
-constexpr double kMostHits = 1 << 24;      // numbers of hits that threads keep, by block and polygon
-constexpr float kLeastRoot = 1e-12f;       // numbers are raised to it before their root is taken
+// One count stands for kUnitShare of the smallest polygon's area, or for kUnitOfLargest of the largest one's where this
+// is more: then 2^20 rays are less than 2^61 counts. At most it is kMostUnitShare of the smallest one's.
+constexpr double kUnitShare = 0x1p-14, kUnitOfLargest = 0x1p-42, kMostUnitShare = 0x1p-4;
+constexpr size_t kChunk = 16;          // polygons that a thread takes at once
+constexpr double kMostHits = 1 << 24;  // numbers of hits that threads keep, by block and polygon
+constexpr float kLeastRoot = 1e-12f;   // numbers are raised to it before their root is taken
 
 // Returns the square root of numbers from 0 to 1.
 template <class Floats>
@@ -62,14 +63,24 @@ VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
 
 // An Emitter is a side of a polygon, from which rays start.
 struct Emitter {
-  Point corner, to_first, along_first, to_second, along_second;  // of the triangles that the polygon consists of
-  float first_share;                                             // of the first triangle in the area
-  Point axes[3];                                                 // the last one is the side's normal
+  dvec3 corner;
+  Point to_first, along_first, to_second,
+      along_second;   // from the corner: of the triangles that the polygon consists of
+  float first_share;  // of the first triangle in the area
+  float reach;
+  Point axes[3];                       // the last one is the side's normal
   std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide the side, nearest first
 };
 
-bool isNarrow(const Scene& scene, const Polygon& polygon) {
-  return 2 * polygon.area <= kNarrow * perimeterOf(scene, polygon);
+bool isSliver(const Scene& scene, const Polygon& polygon) {
+  const double perimeter = perimeterOf(scene, polygon);
+  return 2 * polygon.area <= kSliver * perimeter * perimeter / 2;
+}
+
+// Returns the share of the smallest polygon's area for which one count stands.
+double unitShareOf(const Scene& scene) {
+  const auto [least, most] = std::ranges::minmax(scene.polygons, {}, &Polygon::area);
+  return std::max(kUnitShare, kUnitOfLargest * most.area / least.area);
 }
 
 class TreeRayEngine : public RayEngine {
@@ -125,10 +136,10 @@ class TreeRayEngine : public RayEngine {
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Floats>
   void cast(const Emitter& from, uint32_t plane, const RayBundle& bundle, std::vector<Hits>& hits) const;
-  void castFromNarrow(uint32_t polygon, bool from_front, const RayBundle& bundle, std::vector<Hits>& hits) const;
   static void addHit(uint32_t polygon, Hits& hits) {
     if (!hits.of_polygon.empty() && hits.of_polygon[polygon]++ == 0) hits.polygons.push_back(polygon);
   }
+  void castFromSliver(uint32_t polygon, bool from_front, const RayBundle& bundle, std::vector<Hits>& hits) const;
   void addCounts(uint32_t polygon, size_t directions, double weight, Hits& hits, PairCounts& counts) const;
 
   const Scene& scene_;
@@ -141,8 +152,8 @@ class TreeRayEngine : public RayEngine {
   const RayTree tree_;
   double unit_;
   std::vector<Emitter> emitters_;  // by polygon and side
-  std::vector<bool> narrow_;       // by polygon, whether it isNarrow()
-  std::optional<Sight> sight_;     // where there are narrow polygons
+  std::vector<bool> slivers_;      // by polygon, whether it isSliver()
+  std::optional<Sight> sight_;     // where there are slivers
   std::vector<uint32_t> rays_;     // by id, of all sides; empty: as many as directions
   RayBundle::Digits digits_;       // of as many Sobol' points as a side has had rays at most
 };
@@ -155,12 +166,12 @@ TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOp
       stop_(options.stop),
       on_batch_(options.on_batch),
       tree_(scene, ids.two_sided),
-      unit_(kUnitShare * std::ranges::min(scene.polygons, {}, &Polygon::area).area) {
+      unit_(unitShareOf(scene) * std::ranges::min(scene.polygons, {}, &Polygon::area).area) {
   const PolygonTree near(scene);
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     for (uint32_t side = 0; side < sides_; ++side) emitters_.push_back(emitterOf(k, side == 0, near));
-  for (const Polygon& polygon : scene.polygons) narrow_.push_back(isNarrow(scene, polygon));
-  if (std::ranges::count(narrow_, true) > 0) sight_.emplace(scene);
+  for (const Polygon& polygon : scene.polygons) slivers_.push_back(isSliver(scene, polygon));
+  if (std::ranges::count(slivers_, true) > 0) sight_.emplace(scene);
 }
 
 Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonTree& near) const {
@@ -169,12 +180,13 @@ Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonT
   const dvec3& last = c[polygon.corner_count - 1];
   const dvec3 front = frontNormal(scene_, polygon), normal = from_front ? front : -front,
               across = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  Emitter emitter{.corner = pointOf(c[0]),
+  Emitter emitter{.corner = c[0],
                   .to_first = pointOf(c[1] - c[0]),
                   .along_first = pointOf(c[2] - c[1]),
                   .to_second = pointOf(c[2] - c[0]),
                   .along_second = pointOf(last - c[2]),
                   .first_share = 1,
+                  .reach = reachOf(scene_, polygon),
                   .axes = {pointOf(across), pointOf(glm::cross(normal, across)), pointOf(normal)},
                   .covers = {}};
   if (polygon.corner_count == 4)
@@ -204,6 +216,7 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
   turnBy(u[1], cosine, sine);
   const Floats radius = rootOf(u[0]), x = radius * cosine, y = radius * sine, z = rootOf<Floats>(1.0f - u[0]);
   Rays<Floats> rays;
+  rays.origin = from.corner, rays.reach = from.reach;
   const auto along = [&](float a, float b, float c) __attribute__((always_inline)) { return x * a + y * b + z * c; };
   rays.direction = {along(from.axes[0].x, from.axes[1].x, from.axes[2].x),
                     along(from.axes[0].y, from.axes[1].y, from.axes[2].y),
@@ -211,15 +224,15 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
   // The first number chooses a triangle, and then is uniform again.
   const Floats share = from.first_share, rest = greatest(1.0f - share, Floats(kLeastRoot));
   const Floats from_corner = rootOf(ifBelow(u[2], share, u[2] / share, (u[2] - share) / rest));
-  const auto place = [&](float corner, float to_first, float along_first, float to_second, float along_second)
+  const auto place = [&](float to_first, float along_first, float to_second, float along_second)
       __attribute__((always_inline)) {
     const Floats to = ifBelow(u[2], share, Floats(to_first), Floats(to_second)),
                  further = ifBelow(u[2], share, Floats(along_first), Floats(along_second));
-    return corner + from_corner * (to + u[3] * further);
+    return from_corner * (to + u[3] * further);
   };
-  rays.start = {place(from.corner.x, from.to_first.x, from.along_first.x, from.to_second.x, from.along_second.x),
-                place(from.corner.y, from.to_first.y, from.along_first.y, from.to_second.y, from.along_second.y),
-                place(from.corner.z, from.to_first.z, from.along_first.z, from.to_second.z, from.along_second.z)};
+  rays.start = {place(from.to_first.x, from.along_first.x, from.to_second.x, from.along_second.x),
+                place(from.to_first.y, from.along_first.y, from.to_second.y, from.along_second.y),
+                place(from.to_first.z, from.along_first.z, from.to_second.z, from.along_second.z)};
   rays.plane = plane;
   return rays;
 }
@@ -245,7 +258,7 @@ void TreeRayEngine::castFrom(size_t emitter, uint32_t rays, std::span<const Seri
 void TreeRayEngine::castBundle(size_t emitter, Worker& worker) const {
   const auto polygon = static_cast<uint32_t>(emitter / sides_);
   worker.bundle.sort();
-  if (narrow_[polygon]) castFromNarrow(polygon, emitter % sides_ == 0, worker.bundle, worker.hits);
+  if (slivers_[polygon]) castFromSliver(polygon, emitter % sides_ == 0, worker.bundle, worker.hits);
   else
     runInLanes(
         vectors_, [&]<class Types>(Types) __attribute__((always_inline)) {
@@ -268,8 +281,11 @@ template <class Floats>
     for (int lane = 0; lane < lanes; ++lane) {
       const Point at{rays.start.x[lane], rays.start.y[lane], rays.start.z[lane]},
           direction{rays.direction.x[lane], rays.direction.y[lane], rays.direction.z[lane]};
-      const auto cover = std::ranges::find_if(
-          from.covers, [&](const RayTree::Facet& facet) { return beyond(facet.edges, 4, at) <= 0; });
+      const auto cover = std::ranges::find_if(from.covers, [&](const RayTree::Facet& facet) {
+        float offsets[5];
+        facet.setOffsets(from.corner, offsets);
+        return facet.beyondEdges(offsets, at) <= 0;
+      });
       const RayTree::Facet* const end = cover != from.covers.end() ? &*cover
                                         : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
                                                                    : nullptr;
@@ -281,8 +297,8 @@ template <class Floats>
   }
 }
 
-// Casts the rays of one side of a narrow polygon, in double precision.
-void TreeRayEngine::castFromNarrow(uint32_t polygon, bool from_front, const RayBundle& bundle,
+// Casts the rays of one side of a sliver, in double precision.
+void TreeRayEngine::castFromSliver(uint32_t polygon, bool from_front, const RayBundle& bundle,
                                    std::vector<Hits>& hits) const {
   for (uint32_t ray = 0; ray < bundle.size(); ++ray) {
     const auto u = [&](int d) { return double(bundle.numberOf(ray, d)); };
@@ -382,10 +398,10 @@ std::vector<PairCounts> TreeRayEngine::countFrom(std::span<const Direction> dire
 }  // namespace
 
 bool suitsRays(const Scene& scene) {
-  const auto narrow = std::ranges::count_if(scene.polygons, [&](const Polygon& of) { return isNarrow(scene, of); });
-  return scene.polygons.size() < kMostPolygons && double(narrow) <= kMostNarrow * double(scene.polygons.size()) &&
-         std::ranges::min(scene.polygons, {}, &Polygon::area).area > kLeastSize * kLeastSize;
+  return scene.polygons.size() < kMostPolygons && unitShareOf(scene) <= kMostUnitShare;
 }
+
+double costOfRay(const Scene& scene, const Polygon& polygon) { return isSliver(scene, polygon) ? kCostOfSliver : 1; }
 
 uint32_t RayEngine::usualRays(double at_least) {
   const auto rays = std::bit_ceil(std::max(kLeastRays, static_cast<uint32_t>(std::ceil(at_least))));

@@ -18,9 +18,13 @@
 
 namespace viewpeel {
 
-// Returns whether a scene's polygons are neither too many nor too small for rays. Single precision serves most of them;
-// a few may be so narrow that their rays start in double precision.
+// Returns whether a scene's polygons are neither too many nor too different in size for rays: numbers of rays times
+// areas must fit into counts.
 bool suitsRays(const Scene& scene);
+
+// Returns the time that a ray of this polygon takes, over that of others: more than 1 for a sliver, whose rays are in
+// double precision.
+double costOfRay(const Scene& scene, const Polygon& polygon);
 
 // A RayEngine is an engine that counts along rays.
 class RayEngine : public Engine {
@@ -48,7 +52,8 @@ class RayEngine : public Engine {
 //   In: scene, ids: that suitsRays(), of the whole matrix; both are kept by reference; options: it reads thread_count,
 //     stop and on_batch
 //   Method: Sobol' points in four dimensions, scrambled for each polygon and each call of count() apart
-//   Error: counts are unbiased but for rounding to single precision, which moves starts and edges by up to kRayReach
+//   Error: counts are unbiased but for rays that start or end within reach of an edge (ray_tree.h): up to 2^-12 of a
+//     polygon's rays at each edge (tests/unit/ray_engine_test.cpp)
 //   Cost: counting takes some 0.1 to 0.3 us a ray, and less for several blocks at once.
 std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options);
 

@@ -8,6 +8,7 @@
 #include <glm/glm.hpp>
 
 #include "scene/coincident.h"
+#include "scene/perimeter.h"
 
 namespace viewpeel {
 namespace {
@@ -30,20 +31,28 @@ struct Box {
 
 }  // namespace
 
+float reachOf(const Scene& scene, const Polygon& polygon) {
+  return std::min(kRayReach, static_cast<float>(kReachOfWidth * 2 * polygon.area / perimeterOf(scene, polygon)));
+}
+
 RayTree::Facet RayTree::facetOf(const Scene& scene, uint32_t index) {
   const Polygon& polygon = scene.polygons[index];
   const Plane& plane = scene.planes[polygon.plane];
   const dvec3* const corners = &scene.corners[polygon.first_corner];
   const dvec3 front = frontNormal(scene, polygon);
   RayTree::Facet facet{};
-  for (int axis = 0; axis < 3; ++axis) facet.normal[axis] = static_cast<float>(plane.normal[axis]);
-  facet.offset = static_cast<float>(-plane.offset);
+  const auto set = [&](int k, const dvec3& normal, double offset, float* rounded) {
+    for (int axis = 0; axis < 3; ++axis)
+      facet.planes[axis][k] = normal[axis], rounded[axis] = static_cast<float>(normal[axis]);
+    facet.planes[3][k] = -offset;
+  };
+  set(0, plane.normal, plane.offset, facet.normal);
   for (uint32_t e = 0; e < 4; ++e) {
     const uint32_t from = e < polygon.corner_count ? e : 0, to = (from + 1) % polygon.corner_count;
     const dvec3 outward = glm::normalize(glm::cross(corners[to] - corners[from], front));
-    for (int axis = 0; axis < 3; ++axis) facet.edges[e][axis] = static_cast<float>(outward[axis]);
-    facet.edges[e][3] = static_cast<float>(-glm::dot(outward, corners[from]));
+    set(static_cast<int>(e) + 1, outward, glm::dot(outward, corners[from]), facet.edges[e]);
   }
+  facet.reach = reachOf(scene, polygon);
   facet.side = polygon.front_along_plane_normal ? 1.0f : -1.0f;
   facet.level = static_cast<float>(levelOf(polygon));
   facet.polygon = index, facet.plane = polygon.plane;
@@ -56,7 +65,7 @@ struct RayTree::Item {
   double at(int axis) const { return box.low[axis] + box.high[axis]; }
 };
 
-RayTree::RayTree(const Scene& scene, bool two_sided) : reach_of_backs_(two_sided ? kRayReach : -kRayReach) {
+RayTree::RayTree(const Scene& scene, bool two_sided) : reach_of_backs_(two_sided ? 1.0f : -1.0f) {
   std::vector<Item> items(scene.polygons.size());
   for (uint32_t k = 0; k < items.size(); ++k) {
     items[k].polygon = k;

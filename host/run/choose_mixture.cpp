@@ -168,10 +168,12 @@ PlannedRays FormFactorRun::State::planRays() {
   return ray_planner->plan(options);
 }
 
-// Returns the number of rays of all polygons, in all replicates.
+// Returns the number of rays of all polygons, in all replicates, where a ray counts as many times as costOfRay() says.
 double FormFactorRun::State::numberOfRays(const std::vector<uint32_t>& of_faces) const {
   double all = 0;
-  for (const uint32_t face : setup.faceIds().of_polygon) all += of_faces[face];
+  const Scene& scene = setup.scene();
+  for (size_t k = 0; k < scene.polygons.size(); ++k)
+    all += of_faces[setup.faceIds().of_polygon[k]] * costOfRay(scene, scene.polygons[k]);
   return all * setup.estimate().replicates;
 }
 

@@ -210,7 +210,7 @@ TEST(RayMixture, IsForOpenScenesOfManyPairs) {
   with_small.makePlan();
   ASSERT_TRUE(with_small.plan().pair_lines);
   EXPECT_TRUE(with_small.plan().pair_lines->has_rays);
-  ts::addFace(room, "tiny", ts::parallelogram({1, 1, 2}, {1e-6, 0, 0}, {0, 1e-6, 0}));
+  ts::addFace(room, "tiny", ts::parallelogram({1, 1, 2}, {1e-7, 0, 0}, {0, 1e-7, 0}));
   const Scene scene_with_tiny = buildScene(room);
   FormFactorRun with_tiny(scene_with_tiny, request);
   with_tiny.makePlan();
