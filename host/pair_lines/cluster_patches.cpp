@@ -77,8 +77,31 @@ PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
   order_.resize(patches_.size());
   std::iota(order_.begin(), order_.end(), 0u);
   if (patches_.empty()) return;
+  measureRows(ids);
   normal_weight_ = kNormalSizes * medianSize(patches_);
   build(order_, 0, static_cast<uint32_t>(patches_.size()));
+}
+
+// Makes an extent that holds another one, too.
+void PairFinder::widen(Extent& extent, const Extent& by) const {
+  extent.box.low = glm::min(extent.box.low, by.box.low), extent.box.high = glm::max(extent.box.high, by.box.high);
+  extent.largest_area = std::max(extent.largest_area, by.largest_area);
+  if (extent.patch == UINT32_MAX) extent.patch = by.patch;
+  const Patch &one = patches_[extent.patch], &other = patches_[by.patch];
+  extent.is_flat &=
+      by.is_flat && other.plane == one.plane && (two_sided_ || other.along_plane_normal == one.along_plane_normal);
+}
+
+// Sets rows_.
+void PairFinder::measureRows(const Ids& ids) {
+  rows_.resize(2 * size_t{ids.count()});  // backs on which leaking lines end have ids of their own
+  std::vector<double> areas(rows_.size());
+  for (uint32_t p = 0; p < patches_.size(); ++p) {
+    const Patch& patch = patches_[p];
+    areas[patch.id] += patch.area / ids.sides();
+    widen(rows_[patch.id], {.box = {patch.low, patch.high}, .patch = p});
+  }
+  for (size_t row = 0; row < rows_.size(); ++row) rows_[row].largest_area = areas[row];
 }
 
 void PairFinder::findCovers() {
@@ -123,8 +146,8 @@ uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_
   for (uint32_t k = first; k < end; ++k) {
     const Patch &patch = patches_[order[k]], &one = patches_[node.patch];
     node.box.low = glm::min(node.box.low, patch.low), node.box.high = glm::max(node.box.high, patch.high);
-    node.emits |= patch.emits, node.receives |= patch.receives, node.has_parts |= patch.is_part;
-    node.largest_area = std::max(node.largest_area, patch.area);
+    node.emits |= patch.emits, node.receives |= patch.receives;
+    widen(node.rows, rows_[patch.id]);
     node.is_flat &= patch.plane == one.plane && patch.along_plane_normal == one.along_plane_normal;
     for (int axis = 0; axis < 6; ++axis) {
       low[axis] = std::min(low[axis], placeOf(order[k], axis));

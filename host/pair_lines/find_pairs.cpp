@@ -102,7 +102,7 @@ class PairFinder::Search {
   void forEachPart(uint32_t of_a, uint32_t of_b, const Do& do_part) const {
     const Node &a = node(of_a), &b = node(of_b);
     const auto doPart = [&](uint32_t m, uint32_t n) {
-      if (mayFace(node(m), node(n)) && !areFar(endOf(node(m)), endOf(node(n)))) do_part(m, n);
+      if (mayFace(node(m), node(n)) && !areFar(node(m).rows, node(n).rows)) do_part(m, n);
     };
     if (of_a == of_b) {
       doPart(a.left, a.left), doPart(a.left, a.right), doPart(a.right, a.right);
@@ -125,39 +125,11 @@ class PairFinder::Search {
            !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
 
-  // An End is a cluster or a patch, with its area and geometry, from which form factors are bounded.
-  struct End {
-    Box box;
-    double largest_area;
-    bool has_parts;
-    const Patch* flat;  // a patch of the end's plane, where it lies in one
-  };
-  End endOf(const Node& n) const {
-    return {n.box, n.largest_area, n.has_parts, n.is_flat ? &finder_.patches_[n.patch] : nullptr};
-  }
-  End endOf(uint32_t p) const {
-    const Patch& patch = finder_.patches_[p];
-    return {{patch.low, patch.high}, patch.area, patch.is_part, &patch};
-  }
+  const Extent& rowOf(uint32_t p) const { return finder_.rows_[finder_.patches_[p].id]; }
 
-  // Returns whether all polygons of two ends exchange less than least_of_side_ of the smaller one's area. Let the
-  // distance between points of the two ends be at least d, and let the points of one end be at most h above the other's
-  // planes. Then this share is at most min(1, h_a / d) min(1, h_b / d) A / (pi d^2), where A is the larger area. With h
-  // on either side of a plane this bounds the sum over all sides of two-sided polygons.
-  bool areFar(const End& a, const End& b) const {
-    if (least_of_side_ == 0 || a.has_parts || b.has_parts) return false;
-    const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
-    const double square = glm::dot(gap, gap), all = std::max(a.largest_area, b.largest_area) / std::numbers::pi;
-    if (!(square > 0)) return false;
-    const auto cosineOver = [&](const Patch* flat, const Box& box) {
-      if (!flat) return 1.0;
-      const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
-      const double height = glm::dot(flat->normal, middle) - flat->offset,
-                   extent = glm::dot(glm::abs(flat->normal), reach),
-                   highest = (finder_.two_sided_ ? std::abs(height) : height) + extent;
-      return std::min(1.0, (std::max(highest, 0.0) + kTouchingShaft) / std::sqrt(square));
-    };
-    return all * cosineOver(a.flat, b.box) * cosineOver(b.flat, a.box) < least_of_side_ * square;
+  // Returns whether all rows of two ends exchange less than least_of_side_ of the smaller one's area.
+  bool areFar(const Extent& a, const Extent& b) const {
+    return least_of_side_ > 0 && finder_.mostBetween(a, b) < least_of_side_;
   }
 
   // Returns whether the polygons of two patches exchange less than least_of_side_ of the smaller one's area, between
@@ -189,7 +161,7 @@ class PairFinder::Search {
     const Node &a = node(is_swapped ? of_b : of_a), &b = node(is_swapped ? of_a : of_b);
     for (uint32_t k = a.first; k < a.end; ++k) {
       const uint32_t p = finder_.order_[k];
-      if (areFar(endOf(p), endOf(b)) || isBehind(finder_.patches_[p], b.box)) continue;
+      if (areFar(rowOf(p), b.rows) || isBehind(finder_.patches_[p], b.box)) continue;
       const auto row = std::span(finder_.order_).subspan(b.first, b.size()).subspan(is_same ? k + 1 - b.first : 0);
       if (between.size() > kFewBlockers) findRow(p, row, is_same, between);
       else
@@ -244,13 +216,13 @@ class PairFinder::Search {
 
   // Finds a pair of patches if they face each other.
   void findFacing(uint32_t p, uint32_t q, const BlockerList& from) {
-    if (!areFar(endOf(p), endOf(q)) && areFacing(finder_.patches_[p], finder_.patches_[q])) findPair(p, q, from);
+    if (!areFar(rowOf(p), rowOf(q)) && areFacing(finder_.patches_[p], finder_.patches_[q])) findPair(p, q, from);
   }
 
   // Finds a pair of patches that face each other.
   void findPair(uint32_t one, uint32_t other, const BlockerList& from) {
     const auto [p, q] = std::minmax(one, other);
-    if (areFar(endOf(p), endOf(q))) return;
+    if (areFar(rowOf(p), rowOf(q))) return;
     // Where small pairs are left out, most of the pairs here are small, and few are hidden.
     std::optional<HostUnoccluded::Found> exchange;
     if (least_of_side_ > 0 && isLeftOut(p, q, exchange)) return;
@@ -312,6 +284,31 @@ class PairFinder::Search {
   uint32_t last_hider_ = 0, last_row_hider_ = 0;
   Vectors vectors_ = widestVectors();
 };
+
+// Returns a bound on what a row of one extent and a row of the other exchange, over the area of the smaller row. Let
+// the distance between points of the two extents be at least d, and let the points of one be at most h above the planes
+// of the other. Then this share is at most min(1, h_a / d) min(1, h_b / d) A / (pi d^2), where A is the larger area.
+// With h on either side of a plane this bounds the sum over all sides of two-sided polygons.
+double PairFinder::mostBetween(const Extent& a, const Extent& b) const {
+  const dvec3 gap = glm::max(dvec3(0), glm::max(a.box.low - b.box.high, b.box.low - a.box.high));
+  const double square = glm::dot(gap, gap);
+  if (!(square > 0)) return INFINITY;
+  const auto cosineOver = [&](const Extent& end, const Box& box) {
+    if (!end.is_flat) return 1.0;
+    const Patch& patch = patches_[end.patch];
+    const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
+    const double height = glm::dot(patch.normal, middle) - patch.offset,
+                 extent = glm::dot(glm::abs(patch.normal), reach),
+                 highest = (two_sided_ ? std::abs(height) : height) + extent;
+    return std::min(1.0, (std::max(highest, 0.0) + kTouchingShaft) / std::sqrt(square));
+  };
+  return std::max(a.largest_area, b.largest_area) / (std::numbers::pi * square) * cosineOver(a, b.box) *
+         cosineOver(b, a.box);
+}
+
+double PairFinder::mostBetweenRows(uint32_t p, uint32_t q) const {
+  return mostBetween(rows_[patches_[p].id], rows_[patches_[q].id]) / (two_sided_ ? 2 : 1);
+}
 
 // Returns the list of all blockers, the largest first.
 BlockerList PairFinder::listAll() const {

@@ -76,8 +76,8 @@ class PairFinder {
 
   // Finds all pairs of patches of different faces where one emits and the other receives.
   //   In: stop: called now and then by one thread, may throw, may be empty; least_form_factor: pairs of polygons with a
-  //   smaller unoccluded form factor from the smaller polygon are left out, with all their sides. Parts of one row are
-  //   kept, for their form factors add up
+  //   smaller unoccluded form factor from the smaller polygon are left out, with all their sides. Parts of two rows are
+  //   kept, or all left out where the rows are so far from each other that the sum of all parts is below it, too
   //   Error: blockers that reach less deep than kTouchingShaft into a shaft count as outside it.
   //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor; next to nothing for distant clusters
   //   below the least form factor. Tests: tests/unit/pair_lines_test.cpp.
@@ -89,17 +89,26 @@ class PairFinder {
   //   In, Cost: as findAmong
   size_t countReachingLeaves(std::span<const std::pair<uint32_t, uint32_t>> pairs) const;
 
+  // Returns a bound on what the rows of two patches exchange, over the area of the smaller row's sides.
+  double mostBetweenRows(uint32_t p, uint32_t q) const;
+
  private:
+  // An Extent is what bounds form factors of one row or several. Areas are of one side.
+  struct Extent {
+    Box box{glm::dvec3(INFINITY), glm::dvec3(-INFINITY)};
+    double largest_area = 0;      // of a row
+    bool is_flat = true;          // all patches lie in one plane, and look one way unless they are two-sided
+    uint32_t patch = UINT32_MAX;  // one of the patches; UINT32_MAX: there are none yet
+  };
   // A Node is a cluster of patches.
   struct Node {
     Box box;
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
     bool emits = false, receives = false;
-    bool has_parts = false;   // whether the polygon of one of its patches is a part of a row
-    double largest_area = 0;  // of its patches
-    bool is_flat = false;     // all patches lie in one plane and look one way
-    uint32_t patch = 0;       // one of its patches
+    bool is_flat = false;  // all patches lie in one plane and look one way
+    uint32_t patch = 0;    // one of its patches
+    Extent rows;           // of the rows of its patches, each with all of its polygons
 
     bool isLeaf() const { return left == 0; }
     uint32_t size() const { return end - first; }
@@ -107,11 +116,15 @@ class PairFinder {
   struct Task;
   class Search;
   BlockerList listAll() const;
+  double mostBetween(const Extent& a, const Extent& b) const;
+  void widen(Extent& extent, const Extent& by) const;
+  void measureRows(const Ids& ids);
   uint32_t build(std::vector<uint32_t>& order, uint32_t first, uint32_t end);
   void findCovers();
 
   bool two_sided_;
   std::vector<Patch> patches_;
+  std::vector<Extent> rows_;  // by Patch::id
   std::vector<Blocker> blockers_;
   std::unique_ptr<BlockerMesh> mesh_;
   std::vector<std::vector<uint32_t>> covers_;  // by patch: the blockers of its plane in front of it

@@ -132,8 +132,8 @@ PairSample PairLines::samplePairs() const {
   sample.decided = finder_.countReachingLeaves(facing);
   for (const PatchPair& pair : finder_.findAmong(facing)) {
     const Patch &a = patches[pair.a], &b = patches[pair.b];
-    sample.found.push_back(
-        {pair.exchange / (ids_.sides() * std::min(a.area, b.area)), pair.blocker_count > 0, a.is_part || b.is_part});
+    sample.found.push_back({pair.exchange / (ids_.sides() * std::min(a.area, b.area)), pair.blocker_count > 0,
+                            a.is_part || b.is_part ? finder_.mostBetweenRows(pair.a, pair.b) : 0});
   }
   return sample;
 }
@@ -146,7 +146,7 @@ PairNumbers PairSample::numbersFor(double least_form_factor) const {
           each * double(found.size()),
           countOf(isLarge),
           countOf([](const Pair& pair) { return pair.is_blocked; }),
-          countOf([&](const Pair& pair) { return pair.is_part && !isLarge(pair); })};
+          countOf([&](const Pair& pair) { return pair.most_of_parts >= least_form_factor && !isLarge(pair); })};
 }
 
 PairLinesFigures PairLines::figures() const {

@@ -49,8 +49,9 @@ struct PairNumbers {
 // A PairSample is a random sample of pairs of patches, from which their numbers are estimated.
 struct PairSample {
   struct Pair {
-    double form_factor;        // unoccluded, from the smaller polygon
-    bool is_blocked, is_part;  // whether something may block it; whether it is of a face of several polygons
+    double form_factor;    // unoccluded, from the smaller polygon
+    bool is_blocked;       // whether something may block it
+    double most_of_parts;  // bound on the form factor of its faces, where one of them has several polygons; else 0
   };
   double each = 0;  // number of pairs that one of the sample stands for
   size_t facing = 0, decided = 0;

@@ -1,5 +1,6 @@
 // The search decides many pairs at once, by clusters. These tests compare it with separate decisions for single pairs.
 // The scenes have thin walls, boxes on a floor, slivers, and triangles in single precision.
+#include <array>
 #include <map>
 #include <set>
 
@@ -23,6 +24,26 @@ struct NamedScene {
   Scene scene;
 };
 
+// Returns houses on plots of the shape L, whose roofs are cut into parts, further and further apart.
+InputScene housesOfManyParts() {
+  InputScene input;
+  const std::array<glm::dvec2, 6> plot{glm::dvec2(0, 0), {10, 0}, {10, 4}, {4, 4}, {4, 9}, {0, 9}};
+  for (int house = 0; house < 4; ++house) {
+    const double x = 20.0 * house * house, height = 5.0 + house;
+    ts::Corners roof;
+    for (size_t k = 0; k < plot.size(); ++k) {
+      const glm::dvec2 from = plot[k], to = plot[(k + 1) % plot.size()];
+      roof.push_back({x + from.x, from.y, height});
+      ts::addFace(input, "house " + std::to_string(house),
+                  ts::parallelogram({x + from.x, from.y, 0}, {to.x - from.x, to.y - from.y, 0}, {0, 0, height}));
+    }
+    ts::addFace(input, "house " + std::to_string(house), roof);
+  }
+  // The ground beside the houses has the shape L, too.
+  ts::addFace(input, "ground", {{-5, -5, 0}, {400, -5, 0}, {400, -20, 0}, {420, -20, 0}, {420, -1, 0}, {-5, -1, 0}});
+  return input;
+}
+
 std::vector<NamedScene> awkwardScenes() {
   std::vector<NamedScene> scenes;
   for (const ts::CoincidentScene& coincident : ts::coincidentScenes()) {
@@ -34,6 +55,7 @@ std::vector<NamedScene> awkwardScenes() {
     scenes.push_back({"slivers " + std::to_string(seed), buildScene(stress::makeScene(stress::Kind::slivers, seed))});
   scenes.push_back({"room with touching boxes", buildScene(ts::roomWithTouchingBoxes())});
   scenes.push_back({"room with boxes", buildScene(bench::roomWithBoxes(1))});
+  scenes.push_back({"houses of many parts", buildScene(housesOfManyParts())});
   scenes.push_back({"city", buildScene(bench::triangulatedCity(1000, 3).scene)});
   return scenes;
 }
@@ -293,8 +315,10 @@ TEST(PairFinder, ThreadsDoNotMatter) {
   EXPECT_FALSE(areAlike(one, finder.find(3, {}, 1e-3)));
 }
 
-// A least form factor leaves out the pairs below it, and no others.
+// A least form factor leaves out the pairs below it, and no others. The parts of two rows are left out together, and
+// only where all of them are below it.
 TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
+  size_t kept_parts = 0, parts_left_out = 0;
   for (const auto& [name, scene] : awkwardScenes()) {
     SCOPED_TRACE(name);
     const Ids ids = makeIds(scene, By::polygon, false);
@@ -306,15 +330,37 @@ TEST(PairFinder, ALeastFormFactorLeavesOutSmallPairs) {
       const auto entryOf = [](const PatchPair& pair) {
         return std::array{double(pair.a), double(pair.b), pair.exchange, double(pair.blocker_count)};
       };
+      const auto rowsOf = [&](const PatchPair& pair) {
+        return std::minmax(finder.patches()[pair.a].id, finder.patches()[pair.b].id);
+      };
+      std::map<std::pair<uint32_t, uint32_t>, std::pair<double, size_t>> exchanges, kept;  // of rows, with their parts
       for (const PatchPair& pair : all.pairs) {
         const Patch &a = finder.patches()[pair.a], &b = finder.patches()[pair.b];
-        if (a.is_part || b.is_part || !(pair.exchange < least * std::min(a.area, b.area)))
+        if (a.is_part || b.is_part) {
+          auto& [exchange, count] = exchanges[rowsOf(pair)];
+          exchange += pair.exchange, ++count;
+        } else if (!(pair.exchange < least * std::min(a.area, b.area))) {
           expected.push_back(entryOf(pair));
+        }
       }
-      for (const PatchPair& pair : finder.find(1, {}, least).pairs) found.push_back(entryOf(pair));
+      for (const PatchPair& pair : finder.find(1, {}, least).pairs) {
+        const bool is_of_parts = finder.patches()[pair.a].is_part || finder.patches()[pair.b].is_part;
+        if (is_of_parts) ++kept[rowsOf(pair)].second;
+        else found.push_back(entryOf(pair));
+      }
       EXPECT_EQ(found, expected) << least;
+      const double unit = 1 / (scene.scale * scene.scale);
+      for (const auto& [rows, of_all] : exchanges) {
+        const size_t count = kept[rows].second;
+        kept_parts += count, parts_left_out += of_all.second - count;
+        if (of_all.first >= least * std::min(ids.areas[rows.first], ids.areas[rows.second]) * unit)
+          EXPECT_EQ(count, of_all.second) << ids.names[rows.first] << " " << ids.names[rows.second];
+        else EXPECT_TRUE(count == 0 || count == of_all.second);
+      }
     }
   }
+  EXPECT_GT(kept_parts, 0u);
+  EXPECT_GT(parts_left_out, 0u);
 }
 
 // All sides of two polygons stay, or none: the sum over their sides decides.
