@@ -155,6 +155,12 @@ double FormFactorRun::State::pilotRays() const {
   return double(setup.scene().polygons.size()) * kPilotRays * kRayPilotReplicates;
 }
 
+// Returns ray_engine, and makes it if there is none yet.
+RayEngine& FormFactorRun::State::rayEngine() {
+  if (!ray_engine) ray_engine = makeRayEngine(setup.scene(), setup.faceIds(), setup.lattices().lattice);
+  return *ray_engine;
+}
+
 // Returns the numbers of rays that polygons need. Their pilot is cast once, with ray_engine.
 PlannedRays FormFactorRun::State::planRays() {
   const EstimateOptions& options = setup.estimate();
@@ -162,8 +168,7 @@ PlannedRays FormFactorRun::State::planRays() {
     const Ids& face_ids = setup.faceIds();
     std::vector<uint32_t> rows = face_ids.surface;
     if (options.by == By::polygon) std::iota(rows.begin(), rows.end(), 0);
-    ray_engine = makeRayEngine(setup.scene(), face_ids, setup.lattices().lattice);
-    ray_planner.emplace(*ray_engine, setup.scene(), face_ids, std::move(rows), options.seed, mayHaveRaysAlone(options));
+    ray_planner.emplace(rayEngine(), setup.scene(), face_ids, std::move(rows), options.seed, mayHaveRaysAlone(options));
   }
   return ray_planner->plan(options);
 }

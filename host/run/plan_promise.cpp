@@ -16,7 +16,19 @@ namespace {
 // so by rounding. The environment's interval includes this leak.
 constexpr double kGrazedPart = 0.1;
 
+std::string reasonOfLeak(double share) {
+  return fmt::format("about {:.3g} % of a row's radiation ends on backs of polygons",
+                     100 * std::min(1.0, share));  // few lines may say more than all
+}
+
 }  // namespace
+
+// Does without a promise that would be refused anyway, so that the plan does not take it into account.
+//   In: leak: share of a row that is sure to end on backs
+void FormFactorRun::State::refusePromiseOfLeak(double leak) {
+  const std::optional<double> tolerance = setup.estimate().tolerance;
+  if (no_promise.empty() && tolerance && leak > kGrazedPart * *tolerance) refusePromise(reasonOfLeak(leak));
+}
 
 // Continues without a promise; throws where the request insists on one.
 void FormFactorRun::State::refusePromise(const std::string& why) {
@@ -30,7 +42,7 @@ void FormFactorRun::State::refusePromise(const std::string& why) {
 bool FormFactorRun::State::planPromise() {
   const double tolerance = *setup.estimate().tolerance;
   promise_counts = countCommonDirections();
-  bool is_open = false;
+  bool is_open = may_leave;
   std::vector<double> leaked(setup.faceIds().count(), 0);
   for (PairCounts& counts : *promise_counts) {
     for (const PairCount& count : counts) {
@@ -44,9 +56,7 @@ bool FormFactorRun::State::planPromise() {
                             leaked[k] / setup.faceIds().areas[k] / double(std::max<size_t>(promise_counts->size(), 1)));
   setup.promise(is_open);
   try {
-    if (leaked_share > kGrazedPart * tolerance)
-      throw Error(ErrorCode::limit, fmt::format("about {:.3g} % of a row's radiation ends on backs of polygons",
-                                                100 * std::min(1.0, leaked_share)));  // few lines may say more than all
+    if (leaked_share > kGrazedPart * tolerance) throw Error(ErrorCode::limit, reasonOfLeak(leaked_share));
     makeLineGuarantee();
     const LineGuaranteeFigures& figures = line_guarantee->figures();
     if (!setup.request().promise && !isWorthPromise(figures.cost, figures.estimate_cost))

@@ -9,6 +9,7 @@
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
 #include "estimator/plan_lines.h"
+#include "estimator/survey_outside.h"
 #include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
@@ -25,6 +26,9 @@ constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
+// A survey casts so many rays of each polygon at a tolerance of 1, and more at finer ones.
+constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
+constexpr uint32_t kMostSurveyed = 200'000;  // faces: rays of more take long, and much memory
 
 // Returns the tolerance that a run with this number of lines is expected to reach. It is proportional to the number to
 // the power of -5/8. At 1e-3 a pair that something may block has 175 lines on average in the office, and 240 in a city
@@ -98,6 +102,23 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
   return largest;
 }
 
+// Finds out from a few lines and rays whether anything leaves the scene, and the largest share of a row that leaks.
+//   In: counts: along pilot directions
+void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
+  leaked_share = measureLeaks(counts);
+  may_leave = shareOutside(counts) > kGrazedOfScene;
+  const Ids& ids = setup.faceIds();
+  if (resumed || ids.two_sided || !ids.counts_environment || ids.count() > kMostSurveyed || !suitsRays(setup.scene()))
+    return;
+  const double at_least = setup.isLarge() ? 0 : kSurveyedAtOne / setup.estimate().tolerance.value_or(1);
+  const OutsideShares shares = viewpeel::surveyOutside(
+      rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
+      setup.request().seed);
+  leaked_share = std::max(leaked_share, shares.largest_leak);
+  may_leave |= shares.largest_environment > 0 || shares.largest_leak > 0;
+  refusePromiseOfLeak(shares.largest_leak);
+}
+
 // Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,
 // else empty
 std::string FormFactorRun::State::makePairLines() {
@@ -105,8 +126,7 @@ std::string FormFactorRun::State::makePairLines() {
   line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
   makeLineEngine();
   const PairCounts counts = resumed ? PairCounts() : countDirections(kPilotDirections);
-  leaked_share = measureLeaks(counts);
-  may_leave = shareOutside(counts) > kGrazedOfScene;
+  surveyOutside(counts);
   // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak =
@@ -124,7 +144,11 @@ std::string FormFactorRun::State::makePairLines() {
         "polygons coincide, and nothing says which of them lies in front, as pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
-  const std::string why = takeMixture(counts);
+  // By lines a row's environment is 1 less its pairs, of which the ones with blockers would be missing.
+  const Ids& ids = setup.faceIds();
+  const std::string why = may_leave && ids.counts_environment && !ids.rows_sum_to_one
+                              ? "with --blocker, lines do not tell how much of a row leaves the scene"
+                              : takeMixture(counts);
   ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
   if (line_mixture.least_form_factor > 0 && with_leak) make(false);  // common directions count the leak

@@ -58,7 +58,7 @@ struct FormFactorRun::State {
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
   std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
-  double leaked_share = 0;         // largest share of a row's lines that leak, along a few directions
+  double leaked_share = 0;                                // largest share of a row's lines or rays that leak, of a few
   bool may_leave = false;          // whether more of them leave the scene or leak than may graze edges
   std::string no_promise;          // why the tolerance is not promised but estimated; else empty
   std::string no_pair_lines;       // why there are no pair lines; else empty
@@ -119,11 +119,13 @@ struct FormFactorRun::State {
   void makePlan();
   PairCounts countDirections(uint32_t count);
   double measureLeaks(const PairCounts& counts) const;
+  void surveyOutside(const PairCounts& counts);
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
   bool mayHaveRays() const;
   bool mayPromise() const;
   double pilotRays() const;
+  RayEngine& rayEngine();
   PlannedRays planRays();
   double numberOfRays(const std::vector<uint32_t>& of_faces) const;
   bool takeRays(const PairNumbers& numbers);
@@ -144,6 +146,7 @@ struct FormFactorRun::State {
   void makeLineGuarantee();
   bool planPromise();
   void refusePromise(const std::string& why);
+  void refusePromiseOfLeak(double leak);
   void takeBackPromise();
   void breakPromise(const std::string& why);
   void summariseRun();

@@ -10,6 +10,9 @@
 namespace viewpeel {
 namespace {
 
+// In a closed scene the pairs of a row never leave this share of it unless the row has a leak.
+constexpr double kSurelyLeft = 0.05;
+
 // Merges the entries between surfaces of the pairs that common directions counted into those of the pairs with lines.
 void addCounted(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
                 double count_area) {
@@ -52,7 +55,8 @@ FormFactors mixtureByPolygon(const LineSums& lines, const ReplicateSums& counted
 
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
 // counted. Such a leak is small, or it would have lines. So its error is its spread over replicates, without the part
-// of eq. (12) that allows for what no direction saw.
+// of eq. (12) that allows for what no direction saw. Where parts of a scene are far from each other, all common lines
+// may pass them by. So a scene is open, too, where the pairs of a row are sure to leave kSurelyLeft of it.
 void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted,
                            double measure_area) {
   const Ids& ids = counted.ids();
@@ -66,13 +70,20 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
   const std::vector<Measured> rows = sumRows(entries, ids.areas);
+  std::vector<double> left(ids.count());  // of each row's area, for the environment
+  for (uint32_t i = 0; i < ids.count(); ++i) {
+    const double beside_pairs = std::max(0.0, 1 - rows[i].value) * ids.areas[i];
+    leak[i] = {std::min(leak[i].value, beside_pairs), std::min(leak[i].standard_error, beside_pairs)};
+    left[i] = beside_pairs - leak[i].value;
+    const double sure = std::max(kSurelyLeft, kBeyondDoubt * rows[i].standard_error);
+    is_open |= ids.rows_sum_to_one && ids.isRequested(i) && left[i] > sure * ids.areas[i];
+  }
   const auto pair_count = static_cast<std::ptrdiff_t>(entries.size());
   for (uint32_t i = 0; i < ids.count(); ++i) {
     if (!ids.isRequested(i)) continue;
-    const double left = std::max(0.0, 1 - rows[i].value) * ids.areas[i], doubt = rows[i].standard_error * ids.areas[i];
-    leak[i].value = std::min(leak[i].value, left);
-    if (environment[i].value > 0 || (is_open && left - leak[i].value > kBeyondDoubt * doubt))
-      entries.push_back({i, kEnvironment, {left - leak[i].value, std::hypot(doubt, leak[i].standard_error)}});
+    const double doubt = rows[i].standard_error * ids.areas[i];
+    if (environment[i].value > 0 || (is_open && left[i] > kBeyondDoubt * doubt))
+      entries.push_back({i, kEnvironment, {left[i], std::hypot(doubt, leak[i].standard_error)}});
     if (leak[i].value > 0) entries.push_back({i, kLeak, leak[i]});
   }
   std::ranges::inplace_merge(entries, entries.begin() + pair_count, {}, keyOf<FormFactors::Entry>);

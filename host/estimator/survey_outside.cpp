@@ -1,0 +1,52 @@
+#include "estimator/survey_outside.h"
+
+#include <algorithm>
+#include <vector>
+
+#include "directions/replicates.h"
+#include "directions/sampler.h"
+
+namespace viewpeel {
+namespace {
+
+// Rows have the shares of their rays that leave the scene, and that end on backs.
+struct RowShares {
+  std::vector<double> environment, leak;
+};
+
+// Casts rays from the rows where `casts` is 1. It is 0 elsewhere.
+RowShares castFrom(RayEngine& engine, const Scene& scene, const Ids& ids, const std::vector<uint32_t>& casts,
+                   uint32_t rays, uint64_t seed, uint64_t replicate) {
+  const double count_area = 2 * engine.unitArea() * scene.scale * scene.scale / rays;
+  RowShares shares{std::vector<double>(ids.count()), std::vector<double>(ids.count())};
+  for (const PairCounts& counts :
+       engine.countOutside(sampleDirections(Sampler::iid, rays, seed, replicate), rays, casts))
+    for (const PairCount& count : counts)
+      (count.j == kLeak ? shares.leak : shares.environment)[count.i] +=
+          double(count.count) * count_area / ids.areas[count.i];
+  return shares;
+}
+
+// Returns the largest share of which the row has three rays or more.
+double largestSure(const std::vector<double>& shares, uint32_t rays) {
+  constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
+  const double largest = std::ranges::max(shares);
+  return largest * rays > kSureRays - kRounding ? largest : 0;
+}
+
+}  // namespace
+
+OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
+  constexpr uint32_t kFurtherRays = 1024;
+  std::vector<uint32_t> casts(ids.count());
+  for (uint32_t id = 0; id < ids.count(); ++id) casts[id] = ids.isRequested(id) ? 1 : 0;
+  const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
+  OutsideShares shares{.largest_environment = largestSure(first.environment, rays)};
+  std::ranges::transform(first.leak, casts.begin(), [](double leak) { return leak > 0 ? 1u : 0u; });
+  if (std::ranges::count(casts, 1u) == 0) return shares;
+  const RowShares further = castFrom(engine, scene, ids, casts, kFurtherRays, seed, kRayReplicates.end - 1);
+  shares.largest_leak = largestSure(further.leak, kFurtherRays);
+  return shares;
+}
+
+}  // namespace viewpeel

@@ -1,0 +1,25 @@
+// A survey of what leaves the scene and what ends on backs, by rays from every polygon. Common directions hardly meet
+// the polygons of a scene whose parts are far from each other, such as buildings kilometres apart.
+#pragma once
+#include <cstdint>
+
+#include <viewpeel/scene.h>
+#include "rays/ray_engine.h"
+
+namespace viewpeel {
+
+// These are shares of what a row emits, 0 where no row is sure to have one.
+struct OutsideShares {
+  double largest_environment = 0, largest_leak = 0;
+};
+
+// Surveys the requested rows of an engine. Three rays of a row make sure, for a ray that grazes an edge may leave the
+// scene or end on a back by rounding. In nine scenes of 576 to 9,984 polygons at most 1 ray in 80,000 did so, and no
+// row had three such rays of 1,024.
+//   In: engine: counts by id; rays: of each polygon at first, from usualRays(); a row of which one ends on a back gets
+//     1,024 more, which decide
+//   Error: with 64 rays a row that leaks 5 % of what it emits is missed with a probability of 0.04
+//   Cost: rays x polygons
+OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed);
+
+}  // namespace viewpeel
