@@ -18,8 +18,8 @@ namespace ts = test_scenes;
 constexpr double kSize = 0.1, kApart = 0.05;  // of a pair of squares
 const double kOfSquares = reference::parallelRectangles({0, kSize}, {0, kSize}, {0, kSize}, {0, kSize}, kApart);
 
-// Returns pairs of squares, "low 0" under "high 0" and so on, all kilometres apart.    In: faces: whether they face each
-// other; else both look upwards, and the low one sees the other's back
+// Returns pairs of squares, "low 0" under "high 0" and so on, all kilometres apart.
+//   In: faces: whether they face each other; else both look upwards, and the low one sees the other's back
 InputScene farAwayPairs(bool faces) {
   InputScene input;
   for (int k = 0; k < 20; ++k) {
