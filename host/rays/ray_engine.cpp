@@ -63,11 +63,10 @@ VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
 
 // An Emitter is a side of a polygon, from which rays start.
 struct Emitter {
-  dvec3 corner;
-  Point to_first, along_first, to_second,
-      along_second;   // from the corner: of the triangles that the polygon consists of
-  float first_share;  // of the first triangle in the area
-  float reach;
+  dvec3 corner;  // of the polygon, which consists of one triangle or two. From it run sides of these triangles.
+  Point to_first, along_first, to_second, along_second;
+  float first_share;                   // of the first triangle in the area
+  float reach;                         // of the polygon
   Point axes[3];                       // the last one is the side's normal
   std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide the side, nearest first
 };
