@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 #include <utility>
 
 #include <fmt/format.h>
@@ -37,6 +38,31 @@ double toleranceOfLines(const std::vector<LinePair>& pairs, double lines) {
   constexpr double kTolerance = 1e-3, kLinesOfPair = 200;
   const auto blocked = std::ranges::count_if(pairs, [](const LinePair& pair) { return pair.clear < pair.exchange; });
   return kTolerance * std::pow(kLinesOfPair * double(blocked) / lines, 5.0 / 8);
+}
+
+// Returns whether lines from a polygon that emits may end on one without a role: whether some points of each are in
+// front of the other.
+bool mayEndOnBlockers(const Scene& scene, const Ids& ids) {
+  constexpr double kHeight =
+      1e-7;  // of the scene's radius: points up to it in front of a plane exchange next to nothing
+  if (ids.rows_sum_to_one) return false;
+  const auto isInFront = [&](const Polygon& polygon, const Polygon& of) {
+    const Plane& plane = scene.planes[of.plane];
+    const double side = of.front_along_plane_normal ? 1 : -1;
+    const auto corners = std::span(scene.corners).subspan(polygon.first_corner, polygon.corner_count);
+    return std::ranges::any_of(corners, [&](const glm::dvec3& corner) {
+      const double height = side * (glm::dot(plane.normal, corner) - plane.offset);
+      return (ids.two_sided ? std::abs(height) : height) > kHeight;
+    });
+  };
+  for (uint32_t b = 0; b < scene.polygons.size(); ++b) {
+    if (ids.rolesOf(b) != 0) continue;
+    for (uint32_t e = 0; e < scene.polygons.size(); ++e)
+      if ((ids.rolesOf(e) & kEmits) && isInFront(scene.polygons[e], scene.polygons[b]) &&
+          isInFront(scene.polygons[b], scene.polygons[e]))
+        return true;
+  }
+  return false;
 }
 
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
@@ -146,8 +172,8 @@ std::string FormFactorRun::State::makePairLines() {
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
   // By lines a row's environment is 1 less its pairs, of which the ones with blockers would be missing.
   const Ids& ids = setup.faceIds();
-  const std::string why = may_leave && ids.counts_environment && !ids.rows_sum_to_one
-                              ? "with --blocker, lines do not tell how much of a row leaves the scene"
+  const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
+                              ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
                               : takeMixture(counts);
   ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
