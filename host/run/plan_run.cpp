@@ -6,6 +6,7 @@
 #include <utility>
 
 #include <fmt/format.h>
+#include <glm/glm.hpp>
 
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
@@ -43,8 +44,7 @@ double toleranceOfLines(const std::vector<LinePair>& pairs, double lines) {
 // Returns whether lines from a polygon that emits may end on one without a role: whether some points of each are in
 // front of the other.
 bool mayEndOnBlockers(const Scene& scene, const Ids& ids) {
-  constexpr double kHeight =
-      1e-7;  // of the scene's radius: points up to it in front of a plane exchange next to nothing
+  constexpr double kHeight = 1e-7;  // in radii: points that are less in front of a plane exchange next to nothing
   if (ids.rows_sum_to_one) return false;
   const auto isInFront = [&](const Polygon& polygon, const Polygon& of) {
     const Plane& plane = scene.planes[of.plane];
