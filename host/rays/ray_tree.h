@@ -17,7 +17,8 @@
 namespace viewpeel {
 
 // Places in the unit ball err by less than kRayReach in single precision. A polygon's reach is kReachOfWidth of its
-// width, and at most kRayReach: of its rays this share may miss or meet a neighbour at an edge by mistake.
+// width, and at most kRayReach. Up to the share kReachOfWidth of its rays starts within reach of an edge. Such a ray
+// may meet or miss the neighbour at this edge by mistake.
 constexpr float kRayReach = 3e-7f;
 constexpr double kReachOfWidth = 0x1p-12;
 // Places far from a ray's start err by less than this share of their distance. A ray meets a polygon up to its reach
@@ -43,7 +44,7 @@ class RayTree {
  public:
   // A Facet is a polygon as rays see it.
   struct Facet {
-    // Of the polygon's plane, and of its edges: outward normals within the plane, a triangle's first edge twice.
+    // The normal of the plane, and the outward normals of the edges within it. A triangle has its first edge twice.
     float normal[3], edges[4][3];
     double planes[4][5];  // normals of plane and edges by axis, and minus their offsets
     float reach;          // of the polygon

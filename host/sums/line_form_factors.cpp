@@ -56,7 +56,8 @@ FormFactors mixtureByPolygon(const LineSums& lines, const ReplicateSums& counted
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
 // counted. Such a leak is small, or it would have lines. So its error is its spread over replicates, without the part
 // of eq. (12) that allows for what no direction saw. Where parts of a scene are far from each other, all common lines
-// may pass them by. So a scene is open, too, where the pairs of a row are sure to leave kSurelyLeft of it.
+// may pass them by. So a scene counts as open, too, if the form factors of a row surely add up to less than
+// 1 - kSurelyLeft.
 void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted,
                            double measure_area) {
   const Ids& ids = counted.ids();
