@@ -97,7 +97,7 @@ Method linesOf(double share) {
     const std::unique_ptr<Engine> engine = makeEngine(lattices, job.scene, setup.faceIds(), groups);
     EstimateOptions options = setup.estimate();
     options.directions = mixture.directions;
-    PairLines lines(job.scene, setup.faceIds(), false, seed);
+    PairLines lines(job.scene, setup.faceIds(), {}, seed);
     std::vector<LinePair> pairs = planLines(lines, lines.find(mixture.least_form_factor), setup.faceIds(), setup.ids(),
                                             options, job.is_open, INFINITY);
     LineRun run(*engine, job.scene, setup.faceIds(), lines, std::move(pairs), mixture.least_form_factor, options);

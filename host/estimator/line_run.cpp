@@ -43,15 +43,15 @@ constexpr double kMostRaysAhead = 2e7;
 constexpr size_t kMostDirectionsTogether = 1 << 16;
 
 RunSums lineSumsToBeginWith(const Scene& scene, const Ids& face_ids, std::vector<LinePair> pairs,
-                            double least_form_factor, const EstimateOptions& options) {
+                            double least_form_factor, const LeakingFaces& leaking, const EstimateOptions& options) {
   RunSums sums = makeRunSums(scene, face_ids);
   if (options.rays) sums.countRays(options.rays->rays());
   if (!options.resumed) {
-    sums.lines.emplace(face_ids, options.by, std::move(pairs), least_form_factor);
+    sums.lines.emplace(face_ids, options.by, std::move(pairs), least_form_factor, leaking);
     return sums;
   }
   const LineSums& resumed = *options.resumed->lines;
-  sums.lines.emplace(face_ids, options.by, resumed.pairs(), resumed.leastFormFactor());
+  sums.lines.emplace(face_ids, options.by, resumed.pairs(), resumed.leastFormFactor(), resumed.leakingFaces());
   return sums;
 }
 
@@ -87,7 +87,7 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
       lines_(lines),
       options_(std::move(options)),
       count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
-      sums_(lineSumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, options_)),
+      sums_(lineSumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, lines.leakingFaces(), options_)),
       errors_in_goal_((options_.by == By::polygon ? sums_.by_id : sums_.by_surface).ids().count()) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
@@ -102,11 +102,14 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
 std::vector<double> LineRun::findRowExcess(const FormFactors& all) const {
   const Ids& ids = all.ids();
   std::vector<double> variances(ids.count()), excess(ids.count());
-  // If common directions count the leak, lines of pairs cannot improve it.
-  const bool has_leak = sums_.lines->hasBacks();
+  // Where common directions count a row's leak, lines of pairs cannot improve it.
+  std::vector<bool> has_leak(ids.count());
+  for (size_t k = 0; k < sums_.lines->pairs().size(); ++k)
+    if (sums_.lines->hasBack(k))
+      has_leak[entryOf(sums_.lines->pairs()[k], sums_.lines->ids(), options_.by).first] = true;
   for (const FormFactors::Entry& entry : all.entries())
     for (const uint32_t id : {entry.i, entry.j})
-      if (id < kEnvironment && (entry.j < kEnvironment || (has_leak && entry.j == kLeak)))
+      if (id < kEnvironment && (entry.j < kEnvironment || (entry.j == kLeak && has_leak[id])))
         variances[id] += std::pow(entry.errorInSums(), 2);
   std::vector<bool> has_environment(ids.count());
   bool is_open = false;

@@ -27,6 +27,13 @@ RowShares castFrom(RayEngine& engine, const Scene& scene, const Ids& ids, const 
   return shares;
 }
 
+// Returns 1 for requested rows, else 0.
+std::vector<uint32_t> requestedRows(const Ids& ids) {
+  std::vector<uint32_t> casts(ids.count());
+  for (uint32_t id = 0; id < ids.count(); ++id) casts[id] = ids.isRequested(id) ? 1 : 0;
+  return casts;
+}
+
 // Returns the largest share of which the row has three rays or more.
 double largestSure(const std::vector<double>& shares, uint32_t rays) {
   constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
@@ -38,8 +45,7 @@ double largestSure(const std::vector<double>& shares, uint32_t rays) {
 
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
   constexpr uint32_t kFurtherRays = 1024;
-  std::vector<uint32_t> casts(ids.count());
-  for (uint32_t id = 0; id < ids.count(); ++id) casts[id] = ids.isRequested(id) ? 1 : 0;
+  std::vector<uint32_t> casts = requestedRows(ids);
   const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
   OutsideShares shares{.largest_environment = largestSure(first.environment, rays)};
   std::ranges::transform(first.leak, casts.begin(), [](double leak) { return leak > 0 ? 1u : 0u; });
@@ -47,6 +53,13 @@ OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& id
   const RowShares further = castFrom(engine, scene, ids, casts, kFurtherRays, seed, kRayReplicates.end - 1);
   shares.largest_leak = largestSure(further.leak, kFurtherRays);
   return shares;
+}
+
+std::vector<bool> findLeakingRows(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
+  const RowShares shares = castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 3);
+  std::vector<bool> leaking(ids.count());
+  for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = shares.leak[id] > 0;
+  return leaking;
 }
 
 }  // namespace viewpeel

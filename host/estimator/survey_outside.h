@@ -2,6 +2,7 @@
 // the polygons of a scene whose parts are far from each other, such as buildings kilometres apart.
 #pragma once
 #include <cstdint>
+#include <vector>
 
 #include <viewpeel/scene.h>
 #include "rays/ray_engine.h"
@@ -21,5 +22,11 @@ struct OutsideShares {
 //   Error: with 64 rays a row that leaks 5 % of what it emits is missed with a probability of 0.04
 //   Cost: rays x polygons
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed);
+
+// Returns, by id, whether one of the row's rays or more ends on a back.
+//   In: as surveyOutside()
+//   Error: a row that leaks the share s of what it emits is missed with the probability (1 - s)^rays
+//   Cost: rays x polygons
+std::vector<bool> findLeakingRows(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed);
 
 }  // namespace viewpeel

@@ -23,7 +23,7 @@ bool holdsAll(const std::vector<ReplicateRange>& held, const std::vector<Replica
   });
 }
 
-constexpr uint64_t kFormat = 9;  // version of the file's layout; raise it when the columns below change
+constexpr uint64_t kFormat = 10;  // version of the file's layout; raise it when the columns below change
 
 }  // namespace
 

@@ -212,6 +212,9 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   out.write("lines/by_surface", std::vector<uint8_t>{lines.by() == By::surface});
   out.write("lines/replicate_count", std::vector<uint64_t>{lines.replicateCount()});
   out.write("lines/least_form_factor", std::vector<double>{lines.leastFormFactor()});
+  const std::vector<bool>& leaking = lines.leakingFaces().of_face;
+  out.write("lines/leaking", std::vector<uint8_t>(leaking.begin(), leaking.end()));
+  out.write("lines/leak_rays", std::vector<uint32_t>{lines.leakingFaces().rays});
   const auto& pairs = lines.pairs();
   writeColumn<uint32_t>(out, "lines/i", pairs, [](const LinePair& pair) { return pair.i; });
   writeColumn<uint32_t>(out, "lines/j", pairs, [](const LinePair& pair) { return pair.j; });
@@ -373,7 +376,13 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   const auto hasBack = [&](const LinePair& pair) { return pair.j >= face_ids.count(); };
   if (least > 0 && std::ranges::any_of(pairs, hasBack))
     in.refuse("its 'lines' have backs, although 'lines/least_form_factor' is above 0");
-  return LineSums(face_ids, by, std::move(pairs), least, sums, replicate_count);
+  const std::vector<uint8_t> leaking = in.read<uint8_t>("lines/leaking");
+  if (!leaking.empty() && leaking.size() != face_ids.count()) in.refuse("its 'lines/leaking' is not of its faces");
+  const auto mayHave = [&](const LinePair& pair) { return !hasBack(pair) || (!leaking.empty() && leaking[pair.i]); };
+  if (!std::ranges::all_of(pairs, mayHave))
+    in.refuse("its 'lines' have backs of faces that 'lines/leaking' leaves out");
+  LeakingFaces leaking_faces{{leaking.begin(), leaking.end()}, readOne<uint32_t>(in, "lines/leak_rays")};
+  return LineSums(face_ids, by, std::move(pairs), least, std::move(leaking_faces), sums, replicate_count);
 }
 
 }  // namespace viewpeel

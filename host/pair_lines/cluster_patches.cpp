@@ -57,8 +57,8 @@ bool covers(const Blocker& blocker, const Patch& patch) {
   return true;
 }
 
-PairFinder::PairFinder(const Scene& scene, const Ids& ids, bool with_backs)
-    : two_sided_(ids.two_sided), patches_(makePatches(scene, ids, with_backs)), unoccluded_(scene) {
+PairFinder::PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking)
+    : two_sided_(ids.two_sided), patches_(makePatches(scene, ids, leaking)), unoccluded_(scene) {
   std::vector<uint32_t> of_polygon;
   blockers_ = makeBlockers(scene, true, &of_polygon);
   mesh_ = std::make_unique<BlockerMesh>(scene, of_polygon, blockers_.size());
@@ -146,7 +146,7 @@ uint32_t PairFinder::build(std::vector<uint32_t>& order, uint32_t first, uint32_
   for (uint32_t k = first; k < end; ++k) {
     const Patch &patch = patches_[order[k]], &one = patches_[node.patch];
     node.box.low = glm::min(node.box.low, patch.low), node.box.high = glm::max(node.box.high, patch.high);
-    node.emits |= patch.emits, node.receives |= patch.receives;
+    node.roles |= patch.roles;
     widen(node.rows, rows_[patch.id]);
     node.is_flat &= patch.plane == one.plane && patch.along_plane_normal == one.along_plane_normal;
     for (int axis = 0; axis < 6; ++axis) {

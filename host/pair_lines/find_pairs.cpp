@@ -120,7 +120,7 @@ class PairFinder::Search {
 
   // Returns whether a patch of one cluster and one of the other may have their fronts towards each other.
   bool mayFace(const Node& a, const Node& b) const {
-    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
+    if (!mayExchange(a.roles, b.roles)) return false;
     return !(a.is_flat && isBehind(finder_.patches_[a.patch], b.box)) &&
            !(b.is_flat && isBehind(finder_.patches_[b.patch], a.box));
   }
@@ -204,7 +204,7 @@ class PairFinder::Search {
 
   // Returns whether lines may run between the fronts of two patches.
   static bool areFacing(const Patch& a, const Patch& b) {
-    if (!(a.emits && b.receives) && !(a.receives && b.emits)) return false;
+    if (!mayExchange(a.roles, b.roles)) return false;
     if (a.plane == b.plane) return a.along_plane_normal != b.along_plane_normal && a.height + b.height < 0;
     const auto hasCornerInFront = [](const Patch& of, const Patch& other) {
       for (uint32_t k = 0; k < other.corner_count; ++k)

@@ -58,9 +58,9 @@ bool covers(const Blocker& blocker, const Patch& patch);
 
 class PairFinder {
  public:
-  //   In: scene: kept by reference; with_backs: whether there are also patches for backs, on which leaking lines end
+  //   In: scene: kept by reference; leaking: by id: LeakingFaces::of_face
   //   Cost: O(n log n) for most scenes.
-  PairFinder(const Scene& scene, const Ids& ids, bool with_backs = false);
+  PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking = {});
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }
@@ -105,7 +105,7 @@ class PairFinder {
     Box box;
     uint32_t first, end;  // of order_
     uint32_t left = 0, right = 0;
-    bool emits = false, receives = false;
+    uint32_t roles = 0;    // of all patches
     bool is_flat = false;  // all patches lie in one plane and look one way
     uint32_t patch = 0;    // one of its patches
     Extent rows;           // of the rows of its patches, each with all of its polygons

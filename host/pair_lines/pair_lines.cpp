@@ -32,15 +32,15 @@ bool areNear(const Patch& a, const Patch& b) {
 
 }  // namespace
 
-PairLines::PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads,
+PairLines::PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaking, uint64_t seed, size_t threads,
                      std::function<void()> stop, const Device* device, Crew* crew)
     : scene_(scene),
       ids_(face_ids),
-      with_leak_(with_leak),
+      leaking_(std::move(leaking)),
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
-      finder_(scene, face_ids, with_leak),
+      finder_(scene, face_ids, leaking_.of_face),
       device_(device),
       crew_(crew) {}
 
@@ -123,7 +123,7 @@ PairSample PairLines::samplePairs() const {
     const auto p = static_cast<uint32_t>((place >> 32) % patches.size()),
                q = static_cast<uint32_t>((place & UINT32_MAX) % patches.size());
     const Patch &a = patches[p], &b = patches[q];
-    const bool is_pair = a.id != b.id && ((a.emits && b.receives) || (b.emits && a.receives));
+    const bool is_pair = a.id != b.id && mayExchange(a.roles, b.roles);
     if (is_pair && isInFront(a, b) && isInFront(b, a)) facing.emplace_back(p, q);
   }
   PairSample sample;

@@ -85,17 +85,18 @@ struct StrataTask {
 class PairLines {
  public:
   // Prepares patches and blockers; find() does the search.
-  //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; with_leak: whether to find pairs of a
-  //   face and a back, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty;
-  //   device: draws lines, with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their
-  //   share with the same bits; nullptr: there are none
-  PairLines(const Scene& scene, const Ids& face_ids, bool with_leak, uint64_t seed, size_t threads = 0,
+  //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; leaking: whose pairs with backs find() finds,
+  //   too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty; device: draws lines,
+  //   with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their share with the same
+  //   bits; nullptr: there are none
+  PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaking, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr);
 
   // Finds all pairs with an unoccluded form factor above 0 that no single blocker hides, sorted. It plans no lines yet.
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
   //   Cost: as PairFinder::find.
   std::vector<LinePair> find(double least_form_factor = 0);
+  const LeakingFaces& leakingFaces() const { return leaking_; }
   // Draws a sample of 4,096 pairs.
   //   Error: standard errors of PairNumbers are at most 0.8 % of all pairs of patches
   //   Cost: as PairFinder::findAmong.
@@ -223,7 +224,7 @@ class PairLines {
 
   const Scene& scene_;
   const Ids& ids_;
-  bool with_leak_;
+  LeakingFaces leaking_;
   uint64_t seed_;
   size_t threads_;
   std::function<void()> stop_;

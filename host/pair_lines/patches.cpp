@@ -31,7 +31,7 @@ Patch patchOf(const Scene& scene, uint32_t index, bool is_front, uint32_t roles)
   patch.plane = polygon.plane;
   patch.along_plane_normal = polygon.front_along_plane_normal == is_front;
   patch.height = patch.along_plane_normal ? levelOf(polygon) : -levelOf(polygon);
-  patch.emits = roles & kEmits, patch.receives = roles & kReceives;
+  patch.roles = roles;
   patch.corner_count = polygon.corner_count;
   patch.normal = frontNormal(scene, polygon) * (is_front ? 1.0 : -1.0);
   patch.area = polygon.area;
@@ -88,20 +88,21 @@ double lengthOf(const Patch& patch) {
   return glm::length(patch.corners[(k + 1) % 3] - patch.corners[k]);
 }
 
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs) {
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking) {
   std::vector<Patch> patches;
   const auto add = [&](uint32_t polygon, bool is_front, uint32_t roles, uint32_t id) {
     patches.push_back(patchOf(scene, polygon, is_front, roles));
     patches.back().id = id;
   };
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
-    const uint32_t roles = ids.rolesOf(k);
+    uint32_t roles = ids.rolesOf(k);
     if (!roles) continue;
+    if ((roles & kEmits) && !leaking.empty() && leaking[ids.of_polygon[k]]) roles |= kLeaks;
     add(k, true, roles, ids.of_polygon[k]);
     if (ids.two_sided) add(k, false, roles, ids.of_polygon[k]);
   }
-  if (with_backs && !ids.two_sided)
-    for (uint32_t k = 0; k < scene.polygons.size(); ++k) add(k, false, kReceives, ids.count() + ids.of_polygon[k]);
+  if (!leaking.empty() && !ids.two_sided)
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k) add(k, false, kIsBack, ids.count() + ids.of_polygon[k]);
   std::vector<uint32_t> patch_counts(2 * ids.count());
   for (const Patch& patch : patches) ++patch_counts[patch.id];
   for (Patch& patch : patches) patch.is_part = patch_counts[patch.id] > ids.sides();

@@ -11,6 +11,18 @@
 
 namespace viewpeel {
 
+// Roles of patches beside kEmits and kReceives: lines from it may end on backs, and it is a back on which they end.
+constexpr uint32_t kLeaks = 4, kIsBack = 8;
+static_assert((kEmits | kReceives) < kLeaks);
+
+// Returns whether lines may run between two patches, or clusters of patches, with these roles.
+inline bool mayExchange(uint32_t a, uint32_t b) {
+  const auto may = [](uint32_t from, uint32_t to) {
+    return ((from & kEmits) && (to & kReceives)) || ((from & kLeaks) && (to & kIsBack));
+  };
+  return may(a, b) || may(b, a);
+}
+
 // A Patch is one side of a convex polygon with three or four corners. Lengths are in unit-ball units.
 struct Patch {
   uint32_t side = 0;   // frontSide or backSide of its polygon
@@ -18,8 +30,8 @@ struct Patch {
   uint32_t plane = 0;  // Scene::planes
   int height = 0;      // level in its plane: blockers of this plane with a higher level lie in front (stepsInFront)
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
-  bool emits = true, receives = true;
-  bool is_part = false;  // whether its row has more polygons
+  uint32_t roles = 0;              // kEmits, kReceives, kLeaks, kIsBack
+  bool is_part = false;            // whether its row has more polygons
   // 1: the whole side of the polygon. The halves of a patch with cut c have 2 c and 2 c + 1.
   uint32_t cut = 1;
   uint32_t corner_count = 0;
@@ -42,9 +54,9 @@ std::array<Patch, 2> halvesOf(const Patch& patch);
 // longest side.
 double lengthOf(const Patch& patch);
 
-// Makes patches of the sides that emit or receive.
-//   In: ids: rows and roles of polygons; with_backs: whether there are patches for backs, on which lines may end
+// Makes patches of the sides that emit or receive, and of all backs where lines may end on them.
+//   In: ids: rows and roles of polygons; leaking: by id: LeakingFaces::of_face
 //   Cost: O(polygons).
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, bool with_backs);
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking);
 
 }  // namespace viewpeel

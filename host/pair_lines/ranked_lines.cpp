@@ -74,7 +74,8 @@ uint64_t PairLines::hashOfParts() const {
 
 std::vector<LinePair> PairLines::findOnRanks(double least_form_factor) {
   MessageWriter out;
-  out.put(RankWork::find_pairs).put(with_leak_).put(seed_).put(device_ != nullptr).put(least_form_factor);
+  out.put(RankWork::find_pairs).put(seed_).put(device_ != nullptr).put(least_form_factor);
+  out.putAll(std::vector<char>(leaking_.of_face.begin(), leaking_.of_face.end()));
   putIds(out, ids_);
   const std::string question = out.take();
   std::vector<LinePair> pairs;
@@ -177,13 +178,14 @@ std::string LineServer::answer(RankWork work, MessageReader& in) {
 }
 
 std::string LineServer::find(MessageReader& in) {
-  const auto with_leak = in.get<bool>();
   const auto seed = in.get<uint64_t>();
   const auto on_device = in.get<bool>();
   const auto least = in.get<double>();
+  const std::vector<char> leaking = in.getAll<char>();
   lines_.reset();
   face_ids_ = std::make_unique<const Ids>(getIds(in));
-  lines_.emplace(scene_, *face_ids_, with_leak, seed, threads_, stop_, on_device ? device_() : nullptr);
+  lines_.emplace(scene_, *face_ids_, LeakingFaces{{leaking.begin(), leaking.end()}}, seed, threads_, stop_,
+                 on_device ? device_() : nullptr);
   pairs_ = lines_->find(least);
   return MessageWriter().put(lines_->hashOfParts()).take();
 }

@@ -30,6 +30,11 @@ constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit
 constexpr double kGrazedShare = 1e-3;
 // A survey casts so many rays of each polygon at a tolerance of 1, and more at finer ones.
 constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
+// Rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A share of one of them is then
+// an error within the tolerance, which is 4.3 standard errors of the largest of many entries.
+constexpr double kLeakRaysAtOne = 4.5;
+// Of more rays, or of more rays to a face, lines of all pairs with backs cost less.
+constexpr double kMostLeakRays = 8192, kFacesOfLeakRay = 0.125;
 constexpr uint32_t kMostSurveyed = 200'000;  // faces: rays of more take long, and much memory
 
 // Returns the tolerance that a run with this number of lines is expected to reach. It is proportional to the number to
@@ -128,14 +133,19 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
   return largest;
 }
 
+// Returns whether rays may survey what leaves the scene and what leaks.
+bool FormFactorRun::State::maySurvey() const {
+  const Ids& ids = setup.faceIds();
+  return !ids.two_sided && ids.counts_environment && ids.count() <= kMostSurveyed && suitsRays(setup.scene());
+}
+
 // Finds out from a few lines and rays whether anything leaves the scene, and the largest share of a row that leaks.
 //   In: counts: along pilot directions
 void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
   leaked_share = measureLeaks(counts);
   may_leave = shareOutside(counts) > kGrazedOfScene;
   const Ids& ids = setup.faceIds();
-  if (resumed || ids.two_sided || !ids.counts_environment || ids.count() > kMostSurveyed || !suitsRays(setup.scene()))
-    return;
+  if (resumed || !maySurvey()) return;
   const double at_least = setup.isLarge() ? 0 : kSurveyedAtOne / setup.estimate().tolerance.value_or(1);
   const OutsideShares shares = viewpeel::surveyOutside(
       rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
@@ -143,6 +153,26 @@ void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
   leaked_share = std::max(leaked_share, shares.largest_leak);
   may_leave |= shares.largest_environment > 0 || shares.largest_leak > 0;
   refusePromiseOfLeak(shares.largest_leak);
+}
+
+// Returns the faces whose pairs with backs get lines. In an estimate these are the faces from which one of enough rays
+// ends on a back, for pairs with backs are as many as all others, and nearly all of them are hidden.
+LeakingFaces FormFactorRun::State::findLeakingFaces() {
+  const Ids& ids = setup.faceIds();
+  const double least_rays = kLeakRaysAtOne / setup.estimate().tolerance.value_or(0);
+  if (mayPromise() || setup.guarantee() || !maySurvey() || least_rays > kMostLeakRays ||
+      ids.count() < kFacesOfLeakRay * least_rays)
+    return {std::vector<bool>(ids.count(), true)};
+  const uint32_t rays_of_face = RayEngine::usualRays(least_rays);
+  std::vector<bool> leaking = findLeakingRows(rayEngine(), setup.scene(), ids, rays_of_face, setup.request().seed);
+  if (setup.request().by == By::surface) {
+    // A surface leaks as all its faces do together.
+    std::vector<bool> leaking_surfaces(setup.ids().count());
+    for (uint32_t id = 0; id < ids.count(); ++id)
+      if (leaking[id]) leaking_surfaces[ids.surface[id]] = true;
+    for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = leaking_surfaces[ids.surface[id]];
+  }
+  return {std::move(leaking), rays_of_face};
 }
 
 // Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,
@@ -155,14 +185,13 @@ std::string FormFactorRun::State::makePairLines() {
   surveyOutside(counts);
   // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
-  const bool with_leak =
-      resumed ? resumed->sums.lines->hasBacks() : leaked_share > least_share && !(setup.leastFormFactor() > 0);
-  const auto make = [&](bool has_backs) {
+  const bool with_leak = leaked_share > least_share && !(setup.leastFormFactor() > 0);
+  const auto make = [&](LeakingFaces leaking) {
     pair_lines.emplace(
-        setup.scene(), setup.faceIds(), has_backs, setup.request().seed, setup.request().threads,
+        setup.scene(), setup.faceIds(), std::move(leaking), setup.request().seed, setup.request().threads,
         [this] { stopIfRequested(); }, setup.lineDevice(), setup.crew());
   };
-  make(with_leak);
+  make(resumed ? resumed->sums.lines->leakingFaces() : with_leak ? findLeakingFaces() : LeakingFaces());
   const bool insists = setup.request().pair_lines.value_or(false) || resumed;
   if (pair_lines->hasUnordered() && insists)
     throw Error(
@@ -177,7 +206,8 @@ std::string FormFactorRun::State::makePairLines() {
                               : takeMixture(counts);
   ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
-  if (line_mixture.least_form_factor > 0 && with_leak) make(false);  // common directions count the leak
+  if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty())
+    make({});  // common directions count the leak
   return why;
 }
 

@@ -120,6 +120,8 @@ struct FormFactorRun::State {
   PairCounts countDirections(uint32_t count);
   double measureLeaks(const PairCounts& counts) const;
   void surveyOutside(const PairCounts& counts);
+  bool maySurvey() const;
+  LeakingFaces findLeakingFaces();
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
   bool mayHaveRays() const;

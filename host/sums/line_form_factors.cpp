@@ -53,20 +53,42 @@ FormFactors mixtureByPolygon(const LineSums& lines, const ReplicateSums& counted
   return {ids, std::move(entries), std::move(rows)};
 }
 
+// Returns the mean of least variance of what common directions say that a row leaks, and of 0 +- `error`, as its rays
+// say. Its error stays that of the rays, for a leak that few directions saw has a spread of little worth.
+Measured afterRays(const Measured& leak, double error) {
+  const double ratio = leak.standard_error / error;
+  return {leak.value / (1 + ratio * ratio), error};
+}
+
+// Returns LeakingFaces of rows between polygons or surfaces.
+LeakingFaces leakingRows(const LineSums& lines, By by, size_t rows) {
+  if (by == By::polygon || lines.leakingFaces().rays == 0) return lines.leakingFaces();
+  LeakingFaces leaking{std::vector<bool>(rows), lines.leakingFaces().rays};
+  for (uint32_t face = 0; face < lines.ids().count(); ++face)
+    if (lines.leakingFaces().of_face[face]) leaking.of_face[lines.ids().surface[face]] = true;
+  return leaking;
+}
+
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
 // counted. Such a leak is small, or it would have lines. So its error is its spread over replicates, without the part
 // of eq. (12) that allows for what no direction saw. Where parts of a scene are far from each other, all common lines
 // may pass them by. So a scene counts as open, too, if the form factors of a row surely add up to less than
 // 1 - kSurelyLeft.
-void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted,
-                           double measure_area) {
+// If rays from a row ended on no back, its leak is 0 with one ray's share as the standard error.
+//   In: leaking: of rows
+void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const ReplicateSums& counted, double measure_area,
+                           const LeakingFaces& leaking) {
   const Ids& ids = counted.ids();
   std::vector<Measured> environment(ids.count()), leak(ids.count());
   bool is_open = false;
+  for (uint32_t i = 0; i < ids.count() && leaking.rays > 0; ++i)
+    if (!leaking.of_face[i]) leak[i].standard_error = ids.areas[i] / leaking.rays;
   for (const ReplicateSums::PairSum& pair : counted.pairs()) {
     if (pair.j < kEnvironment) continue;
     is_open |= pair.j == kEnvironment;
-    (pair.j == kLeak ? leak : environment)[pair.i] = counted.exchangeArea(pair, measure_area, INFINITY);
+    const Measured area = counted.exchangeArea(pair, measure_area, INFINITY);
+    Measured& of_row = (pair.j == kLeak ? leak : environment)[pair.i];
+    of_row = of_row.standard_error > 0 ? afterRays(area, of_row.standard_error) : area;
   }
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
@@ -95,7 +117,8 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
   if (lines.leastFormFactor() == 0)
-    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area);
+    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area,
+                           leakingRows(lines, by, counted.ids().count()));
   if (by == By::polygon) return mixtureByPolygon(lines, counted, measure_area, count_area);
   const Ids& ids = counted.ids();
   std::vector<FormFactors::Entry> entries = mergeBySurface(lines.entries(), lines.ids().surface);
@@ -108,10 +131,10 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
 }
 
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
-                            const ReplicateSums& counted, double measure_area) {
+                            const ReplicateSums& counted, double measure_area, const LeakingFaces& leaking) {
   const Ids& ids = counted.ids();
   if (by == By::surface) entries = mergeBySurface(entries, surface);
-  if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area);
+  if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area, leaking);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};
 }

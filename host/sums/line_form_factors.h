@@ -21,7 +21,7 @@ constexpr double kBeyondDoubt = 3;
 //   In: lines: pair lines of pairs of faces; by: whether rows of the result are faces or surfaces; counted: counts
 //     along common directions, by these rows; measure_area, count_area: as in ReplicateSums
 //   Out: Where all pairs have lines, entries between rows come from lines. So does leak, or from common directions
-//     where no pair lines found it. The environment of a row is 1 less its pairs and its leak. A row has an environment
+//     where no pair lines found it; there LeakingFaces::rays limit it. The environment of a row is 1 less its pairs and its leak. A row has an environment
 //     if a common direction saw one of its lines leave the scene. It also has one if it lacks more than three standard
 //     errors and any line left the scene. Other rows have none, and need not add up to 1.
 //     Where pairs below a least form factor have no lines, common directions have counted these pairs, environment and
@@ -34,8 +34,8 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
 
 // Returns form factors in the same way from given exchange areas of pairs of faces, and of faces with kLeak.
 //   In: entries: sorted, with independent errors, input units squared; surface: uint32_t[faces], the surface of each
-//     face
+//     face; leaking: of rows of the result
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
-                            const ReplicateSums& counted, double measure_area);
+                            const ReplicateSums& counted, double measure_area, const LeakingFaces& leaking = {});
 
 }  // namespace viewpeel

@@ -42,14 +42,18 @@ std::pair<uint32_t, uint32_t> entryOf(const LinePair& pair, const Ids& face_ids,
   return std::minmax(face_ids.surface[pair.i], is_leak ? kLeak : face_ids.surface[pair.j]);
 }
 
-LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor)
-    : ids_(std::move(ids)), by_(by), pairs_(std::move(pairs)), least_form_factor_(least_form_factor) {
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, LeakingFaces leaking)
+    : ids_(std::move(ids)),
+      by_(by),
+      pairs_(std::move(pairs)),
+      least_form_factor_(least_form_factor),
+      leaking_(std::move(leaking)) {
   findPlaces();
 }
 
-LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor,
+LineSums::LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, LeakingFaces leaking,
                    const std::vector<PairSum>& sums, uint64_t replicate_count)
-    : LineSums(std::move(ids), by, std::move(pairs), least_form_factor) {
+    : LineSums(std::move(ids), by, std::move(pairs), least_form_factor, std::move(leaking)) {
   for (size_t k = 0; k < sums.size(); ++k)
     if (places_[k] != kNoPlace) sums_[places_[k]] = sums[k];
   replicate_count_ = replicate_count;
@@ -210,16 +214,12 @@ bool LineSums::goesWith(const LineSums& others) const {
   const auto linesOf = [](const LinePair& pair) {
     return std::tuple(pair.i, pair.j, pair.blocks, pair.period, pair.by_angles, pair.cuts);
   };
-  return by_ == others.by_ && least_form_factor_ == others.least_form_factor_ &&
+  return by_ == others.by_ && least_form_factor_ == others.least_form_factor_ && leaking_ == others.leaking_ &&
          std::ranges::equal(pairs_, others.pairs_, {}, linesOf, linesOf);
 }
 
 std::vector<FormFactors::Entry> LineSums::entriesOfResult() const {
   return by_ == By::polygon ? entries() : mergeBySurface(entries(), ids_.surface);
-}
-
-bool LineSums::hasBacks() const {
-  return std::ranges::any_of(pairs_, [&](const LinePair& pair) { return pair.j >= ids_.count(); });
 }
 
 double LineSums::smallerArea(const LinePair& pair) const {

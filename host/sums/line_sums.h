@@ -59,6 +59,15 @@ struct LineCount {
 };
 using LineCounts = std::vector<LineCount>;
 
+// LeakingFaces say from which faces lines may end on backs.
+struct LeakingFaces {
+  std::vector<bool> of_face;  // by id; empty: from no face
+  // This number of rays from each other face ended on no back; 0: there are no other faces, or no rays from them.
+  uint32_t rays = 0;
+
+  bool operator==(const LeakingFaces&) const = default;
+};
+
 constexpr double kLineUnit = 1 << 20;          // expectation of LineCount::all of LinePair::blocks blocks
 constexpr double kMostLineUnits = 1u << 30;    // weights of a replicate are scaled down where they exceed this number
 constexpr double kEffectiveUnit = 256;         // LineCount::effective is in units of 1 / 256 lines
@@ -86,11 +95,11 @@ class LineSums {
   // Makes sums of no replicates.
   //   In: ids: ids of all faces; by: whether rows of the result are faces or surfaces; pairs: sorted by (i, j), every
   //     pair at most once; least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are not
-  //     among them
-  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor = 0);
+  //     among them; leaking: whose pairs with backs are among them
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor = 0, LeakingFaces leaking = {});
   // Restores sums from a checkpoint.    In: sums: PairSum[pairs]
-  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, const std::vector<PairSum>& sums,
-           uint64_t replicate_count);
+  LineSums(Ids ids, By by, std::vector<LinePair> pairs, double least_form_factor, LeakingFaces leaking,
+           const std::vector<PairSum>& sums, uint64_t replicate_count);
 
   // Adds one replicate.
   void add(const LineCounts& counts);
@@ -105,6 +114,7 @@ class LineSums {
   // Pairs with a smaller unoccluded form factor, from the smaller face, are counted by common directions. With 0 no
   // pair is.
   double leastFormFactor() const { return least_form_factor_; }
+  const LeakingFaces& leakingFaces() const { return leaking_; }
   // Returns the sums of the pairs that have lines, in the order of pairs().
   const std::vector<PairSum>& sums() const { return sums_; }
   // Returns the sums of a pair; all are 0 where it has no lines.    In: pair: index in pairs()
@@ -113,9 +123,8 @@ class LineSums {
   // Returns the number of lines of all pairs in all replicates so far.
   uint64_t lineCount() const;
 
-  // Return whether a pair is one of a face and a back, and whether any pair is.
+  // Returns whether a pair is one of a face and a back.
   bool hasBack(size_t pair) const { return pairs_[pair].j >= ids_.count(); }
-  bool hasBacks() const;
   // Returns the area of the smaller face of a pair, or of the face in a pair with a back, in input units squared.
   double smallerArea(const LinePair& pair) const;
   // Returns the exchange areas of all pairs of faces, and of each face with kLeak, which is the sum over the face's
@@ -149,6 +158,7 @@ class LineSums {
   By by_;
   std::vector<LinePair> pairs_;
   double least_form_factor_;
+  LeakingFaces leaking_;
   // Most pairs of large scenes have no lines, so sums_ has the others alone. places_ has the index in sums_ of each
   // pair, or kNoPlace.
   std::vector<uint32_t> places_;

@@ -171,7 +171,8 @@ TEST(DrawLines, ShadersHaveOnlyOperationsThatAllDevicesRoundAlike) {
 TEST(PairLines, CountsOnDeviceAndProcessorAreTheSame) {
   const Scene scene = loadScene(VIEWPEEL_SCENES "/street.obj");
   const Ids ids = makeIds(scene, By::polygon, false);
-  PairLines host(scene, ids, true, 5, 2), device(scene, ids, true, 5, 2, {}, &testDevice());
+  const LeakingFaces all{std::vector<bool>(ids.count(), true)};
+  PairLines host(scene, ids, all, 5, 2), device(scene, ids, all, 5, 2, {}, &testDevice());
   std::vector<LinePair> pairs = host.find();
   ASSERT_EQ(device.find(), pairs);
   const auto plan = [&](PairLines& lines) {

@@ -54,6 +54,8 @@ void writeLineSums(Hdf5Output& out, fuzz::Bytes& bytes) {
   writeColumn(out, bytes, "lines/by_surface", U8{0});
   writeColumn(out, bytes, "lines/replicate_count", U64{2});
   writeColumn(out, bytes, "lines/least_form_factor", std::vector<double>{0});  // mixtures have no backs
+  writeColumn(out, bytes, "lines/leaking", U8{1, 0});
+  writeColumn(out, bytes, "lines/leak_rays", U32{512});
   writeColumn(out, bytes, "lines/i", U32{0, 0});
   writeColumn(out, bytes, "lines/j", U32{1, 3});
   writeColumn(out, bytes, "lines/exchange", std::vector<double>{0.5, 0.2});
@@ -115,7 +117,7 @@ Checkpoint readBytes(const uint8_t* data, size_t count) {
   static const fuzz::NamedFile file("checkpoint");
   fuzz::Bytes bytes(data, count);
   Hdf5Output out;
-  writeColumn(out, bytes, "format", std::vector<uint64_t>{9});
+  writeColumn(out, bytes, "format", std::vector<uint64_t>{10});
   writeColumn(out, bytes, "settings/names", std::vector<std::string>{"--seed"});
   writeColumn(out, bytes, "settings/values", std::vector<std::string>{"1"});
   writeColumn(out, bytes, "replicates/first", std::vector<uint64_t>{0});

@@ -172,11 +172,14 @@ TEST_F(CheckpointFile, ReplicatesInTwoFilesCountOnce) {
 // to the bytes of the whole in any order. A file in which a pair has another number of lines belongs to another run and
 // is refused.
 TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
-  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3, double least = 0) {
+  const auto sumsWithLines = [&](const std::vector<uint64_t>& replicates, uint32_t blocks = 3,
+                                 uint32_t leaking_face = 1) {
     const std::vector<LinePair> pairs = {
         {0, 1, 0.4, 0.4}, {0, 2, 0.5, 0.1, 1e-9, blocks}, {1, ids_.count() + 2, 0.25, 0, 0, 1, 2, true}};
     RunSums sums = makeRunSums(scene_, ids_);
-    sums.lines.emplace(ids_, By::polygon, pairs, least);
+    LeakingFaces leaking{std::vector<bool>(ids_.count()), 64};
+    leaking.of_face[leaking_face] = true;
+    sums.lines.emplace(ids_, By::polygon, pairs, 0, leaking);
     sums.measure_area = 0.1;
     for (const uint64_t replicate : replicates)
       sums.addLines(replicate, {{0, kEnvironment, 5 + replicate, 0}}, 10,
@@ -191,6 +194,7 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_EQ(read.sums.lines->pairs(), sums.lines->pairs());
   EXPECT_EQ(read.sums.lines->sums(), sums.lines->sums());
   EXPECT_TRUE(read.sums.lines->hasBack(2));
+  EXPECT_EQ(read.sums.lines->leakingFaces(), sums.lines->leakingFaces());
   const FormFactors found = read.sums.formFactors();
   EXPECT_EQ(found.exchangeArea(0, 1).value, 0.4);
   EXPECT_NEAR(found.exchangeArea(0, 2).value, 0.1 + 0.6 * 0.4, 1e-5);
@@ -203,6 +207,8 @@ TEST_F(CheckpointFile, PairLinesAddUpToOneRun) {
   EXPECT_EQ(bytesOf(mergeCheckpoints({file("b.h5"), file("a.h5")}).sums), whole);
   writeCheckpoint(kSettings, sumsWithLines({1, 3}, 4), file("c.h5"));
   EXPECT_THROW(mergeCheckpoints({file("a.h5"), file("c.h5")}), Error);
+  writeCheckpoint(kSettings, sumsWithLines({1, 3}, 3, 0), file("d.h5"));
+  EXPECT_NE(messageOf([&] { readCheckpoint(file("d.h5")); }).find("'lines/leaking' leaves out"), std::string::npos);
 }
 
 // In a mixture common directions count the pairs that have no lines, and lines that end on backs. Files of which one
@@ -332,7 +338,7 @@ TEST_F(CheckpointFile, OtherFilesAreRefused) {
   };
   write("other.h5", std::pair("temperatures", std::vector<double>{1, 2}));
   write("later.h5", std::pair("format", std::vector<uint64_t>{1000}));
-  write("short.h5", std::pair("format", std::vector<uint64_t>{9}),
+  write("short.h5", std::pair("format", std::vector<uint64_t>{10}),
         std::pair("settings/names", std::vector<std::string>{"--seed"}),
         std::pair("settings/values", std::vector<std::string>{"1", "2"}));
   const auto message = [&](const char* name) { return messageOf([&] { readCheckpoint(file(name)); }); };

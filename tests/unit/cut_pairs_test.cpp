@@ -39,7 +39,7 @@ TEST(Patches, HalvesAreTheWhole) {
     const auto [a, b] = rt::randomPair(random);
     const Scene scene = sceneOf({a, b});
     const Ids ids = makeIds(scene, By::polygon, true);
-    for (const Patch& patch : makePatches(scene, ids, false)) {
+    for (const Patch& patch : makePatches(scene, ids, {})) {
       triangles += patch.corner_count == 3, backs += patch.side % 2;
       const auto [first, second] = halvesOf(patch);
       EXPECT_NEAR(first.area + second.area, patch.area, kRounding);
@@ -63,7 +63,7 @@ TEST(Patches, HalvesOfHalvesAreSmall) {
   for (int trial = 0; trial < 20; ++trial) {
     const auto [a, b] = rt::randomPair(random);
     const Scene scene = sceneOf({a, b});
-    for (const Patch& whole : makePatches(scene, makeIds(scene, By::polygon, false), false)) {
+    for (const Patch& whole : makePatches(scene, makeIds(scene, By::polygon, false), {})) {
       std::vector<Patch> parts{whole};
       for (int times = 0; times < 8; ++times) {
         std::vector<Patch> halves;
@@ -113,7 +113,7 @@ size_t firstPairOf(const std::vector<LinePair>& pairs) {
 
 // Cuts the first two faces' pair and returns it.
 LinePair cutPair(const PastBlocker& of, uint32_t cuts) {
-  PairLines lines(of.scene, of.ids, false, 1, 1);
+  PairLines lines(of.scene, of.ids, {}, 1, 1);
   std::vector<LinePair> pairs = lines.find();
   LinePair& pair = pairs[firstPairOf(pairs)];
   pair.cuts = cuts;
@@ -160,7 +160,7 @@ TEST(CutPairs, BoundsEncloseTheIntegral) {
 TEST(CutPairs, LinesOfPartsGiveTheIntegral) {
   size_t cut = 0, all = 0;
   for (const PastBlocker& of : pairsPastBlockers()) {
-    PairLines lines(of.scene, of.ids, false, 3, 1);
+    PairLines lines(of.scene, of.ids, {}, 3, 1);
     std::vector<LinePair> pairs = lines.find();
     const size_t k = firstPairOf(pairs);
     const auto allowed = [&](const LinePair& pair) { return 1e-4 * pair.exchange; };
@@ -188,8 +188,9 @@ struct Street {
   Ids ids = makeIds(scene, By::polygon, false);
   std::vector<LinePair> pairs;
 
+  LeakingFaces allLeak() const { return {std::vector<bool>(ids.count(), true)}; }
   PairLines planned(size_t threads, double tolerance) {
-    PairLines lines(scene, ids, true, 5, threads);
+    PairLines lines(scene, ids, allLeak(), 5, threads);
     pairs = lines.find();
     const auto allowed = [&](const LinePair& pair) { return tolerance * ids.areas[pair.i]; };
     lines.plan(pairs, allowed, 8);
@@ -220,7 +221,7 @@ TEST(CutPairs, FewLinesAreNotCut) {
 // A second call changes nothing.
 TEST(CutPairs, AStoredPlanGivesTheSameLines) {
   Street street;
-  PairLines first = street.planned(1, 1e-4), second(street.scene, street.ids, true, 5, 2);
+  PairLines first = street.planned(1, 1e-4), second(street.scene, street.ids, street.allLeak(), 5, 2);
   second.find();
   std::vector<LinePair> stored = street.pairs;
   for (int times = 0; times < 2; ++times) {
@@ -229,7 +230,7 @@ TEST(CutPairs, AStoredPlanGivesTheSameLines) {
     EXPECT_EQ(first.count(street.pairs, 2), second.count(stored, 2));
   }
   // Negative control: without the cuts lines differ.
-  PairLines uncut(street.scene, street.ids, true, 5, 1);
+  PairLines uncut(street.scene, street.ids, street.allLeak(), 5, 1);
   std::vector<LinePair> pairs = uncut.find();
   for (size_t k = 0; k < pairs.size(); ++k) pairs[k].blocks = street.pairs[k].blocks;
   EXPECT_NE(first.count(street.pairs, 2), uncut.count(pairs, 2));

@@ -290,7 +290,7 @@ TEST(PairFinder, SinglePairsAreCounted) {
                   finder.findAmong(std::span(all).subspan(all.size() / 2)).size(),
               each);
     constexpr double kLeast = 1e-3;
-    const PairNumbers numbers = PairLines(scene, ids, false, 1).samplePairs().numbersFor(kLeast);
+    const PairNumbers numbers = PairLines(scene, ids, {}, 1).samplePairs().numbersFor(kLeast);
     const double allowed = 5 * patch_count / 16.0 * patch_count / 16.0;
     EXPECT_NEAR(numbers.found, double(found), allowed);
     const PatchPairs large = finder.find(2, {}, kLeast);
@@ -409,7 +409,7 @@ TEST(PairFinder, PartsOfAFaceAreKept) {
   const Scene scene = buildScene(input);
   ASSERT_GT(scene.polygons.size(), 3u);
   const Ids ids = makeIds(scene, By::polygon, false);
-  PairLines lines(scene, ids, false, 1, 1);
+  PairLines lines(scene, ids, {}, 1, 1);
   const std::vector<LinePair> whole = lines.find();
   ASSERT_EQ(whole.size(), 1u);
   const double form_factor = whole[0].exchange / std::min(ids.areas[0], ids.areas[1]);

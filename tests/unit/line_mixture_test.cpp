@@ -114,7 +114,7 @@ class MixedRoom : public testing::Test {
     EstimateOptions options = optionsOf(kGoal, by);
     options.directions = mixtureFor(options, 1).directions;
     options.resumed = resumed;
-    PairLines lines(*scene_, *ids_, false, options.seed, threads, [] {});
+    PairLines lines(*scene_, *ids_, {}, options.seed, threads, [] {});
     const Ids ids = makeIds(*scene_, by, false);
     std::vector<LinePair> pairs = planLines(lines, lines.find(least_form_factor), *ids_, ids, options, false, INFINITY);
     LineRun run(engine ? *engine : *engine_, *scene_, *ids_, lines, std::move(pairs), least_form_factor, options);

@@ -2,6 +2,7 @@
 // which are hidden but for a little.
 #include <algorithm>
 #include <cmath>
+#include <utility>
 #include <vector>
 
 #include <gtest/gtest.h>
@@ -105,6 +106,36 @@ TEST(LineRows, ALeakOfOneLineErrsByItsSpread) {
   EXPECT_NEAR(leak.standard_error, std::sqrt(2) * leak.value, 1e-12 * ids.areas[0]);
   EXPECT_NEAR(environment.value, ids.areas[0] - exchange - leak.value, 1e-12 * ids.areas[0]);
   EXPECT_NEAR(environment.standard_error, std::hypot(error, leak.standard_error), 1e-12 * ids.areas[0]);
+}
+
+// Rays of which none ended on a back say that a row leaks 0 +- one ray's share. If common directions say more, the
+// mean of least variance is taken, with the error of the rays. Pairs with backs say all of what other rows leak.
+TEST(LineRows, RaysLimitWhatOneLineSaysOfALeak) {
+  constexpr uint32_t kRays = 500;
+  const Scene scene = buildScene(bench::randomTriangles(3));
+  const Ids ids = makeIds(scene, By::polygon, true);
+  const auto findWith = [&](LeakingFaces leaking) {
+    RunSums sums = makeRunSums(scene, ids);
+    sums.lines.emplace(ids, By::polygon, std::vector<LinePair>{}, 0, std::move(leaking));
+    sums.measure_area = 1e-3 * ids.areas[0];
+    for (uint64_t k = 0; k < 11; ++k) {
+      PairCounts counts;
+      for (uint32_t i = 0; i < 3; ++i) counts.push_back({i, kEnvironment, 300, 0});
+      if (k == 4) counts.insert(counts.begin() + 1, {0, kLeak, 9, 0});
+      sums.addLines(k, counts, 10, {});
+    }
+    return sums.formFactors();
+  };
+  const FormFactors without = findWith({}), with = findWith({{false, false, true}, kRays});
+  const Measured by_directions = without.formFactor(0, kLeak), leak = with.formFactor(0, kLeak);
+  constexpr double kShare = 1.0 / kRays;
+  const double weight =
+      kShare * kShare / (kShare * kShare + by_directions.standard_error * by_directions.standard_error);
+  EXPECT_GT(by_directions.standard_error, 0.5 * kShare);
+  EXPECT_NEAR(leak.value, weight * by_directions.value, 1e-12);
+  EXPECT_NEAR(leak.standard_error, kShare, 1e-12);
+  EXPECT_NEAR(with.formFactor(1, kEnvironment).standard_error, kShare, 1e-12);
+  EXPECT_EQ(with.formFactor(2, kEnvironment).standard_error, 0);
 }
 
 }  // namespace

@@ -25,7 +25,7 @@ TEST(LineRun, EndsAfterEightTimesTheReplicatesWhereItMissesTheGoal) {
   options.tolerance = 1e-4;
   options.replicates = 2;
   options.directions = 2;
-  PairLines lines(scene, face_ids, false, options.seed, 2, [] {});
+  PairLines lines(scene, face_ids, {}, options.seed, 2, [] {});
   std::vector<LinePair> pairs = planLines(lines, lines.find(kLeastFormFactor), face_ids, ids, options, false, INFINITY);
   const std::unique_ptr<Engine> engine = makeHostEngine(scene, face_ids, {.resolution = 64});
   LineRun run(*engine, scene, face_ids, lines, std::move(pairs), kLeastFormFactor, options);

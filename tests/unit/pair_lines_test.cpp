@@ -288,7 +288,7 @@ struct Street {
   std::vector<LinePair> pairs;
 
   PairLines planned(size_t threads) {
-    PairLines lines(scene, ids, false, 5, threads);
+    PairLines lines(scene, ids, {}, 5, threads);
     pairs = lines.find();
     lines.plan(
         pairs, [&](const LinePair& pair) { return 1e-3 * std::min(ids.areas[pair.i], ids.areas[pair.j]); }, 8);
@@ -466,7 +466,7 @@ TEST(PairLines, NearPairsHaveAPilot) {
   ts::addFace(input, "blocker", ts::parallelogram({40, 2, 0.005}, {0, 1, 0}, {0, 0, 0.01}));
   const Scene scene = buildScene(input);
   const Ids ids = makeIds(scene, By::polygon, false);
-  PairLines lines(scene, ids, false, 1, 1);
+  PairLines lines(scene, ids, {}, 1, 1);
   std::vector<LinePair> pairs = lines.find();
   const auto pair = std::ranges::find_if(pairs, [](const LinePair& of) { return of.i == 0 && of.j == 1; });
   ASSERT_NE(pair, pairs.end());

@@ -13,7 +13,7 @@ namespace {
 class Planned {
  public:
   Planned(const Scene& scene, bool two_sided, double tolerance)
-      : ids_(makeIds(scene, By::polygon, two_sided)), lines_(scene, ids_, false, 1, 2, [] {}) {
+      : ids_(makeIds(scene, By::polygon, two_sided)), lines_(scene, ids_, {}, 1, 2, [] {}) {
     options_.tolerance = tolerance;
     options_.by = By::polygon;
   }

@@ -139,8 +139,7 @@ TEST(RayMixture, LinesOfARowKeepToTheTolerance) {
   ASSERT_TRUE(found.plan.pair_lines && found.plan.pair_lines->has_rays);
   const Ids& ids = found.form_factors.ids();
   std::vector<double> variances(ids.count());
-  const std::vector<LinePair> with_lines =
-      PairLines(scene, ids, false, 1).find(found.plan.pair_lines->least_form_factor);
+  const std::vector<LinePair> with_lines = PairLines(scene, ids, {}, 1).find(found.plan.pair_lines->least_form_factor);
   auto pair = with_lines.begin();
   for (const FormFactors::Entry& entry : found.form_factors.entries()) {
     while (pair != with_lines.end() && keyOf(*pair) < keyOf(entry)) ++pair;

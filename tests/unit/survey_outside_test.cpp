@@ -3,12 +3,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <string>
+#include <vector>
 
 #include <viewpeel/compute.h>
 #include "estimator/survey_outside.h"
 #include "reference/closed_forms/rectangles.h"
 #include "scenes/named_scenes.h"
+#include "tests/support/same_bits.h"
 
 namespace viewpeel {
 namespace {
@@ -119,6 +122,100 @@ TEST(SurveyOutside, LeaksOfFarAwayPartsHaveLines) {
       EXPECT_NEAR(found.formFactor(i, kEnvironment).value, 1 - leak, 1e-2) << found.ids().names[i];
     }
   }
+}
+
+constexpr double kPlateTolerance = 1e-2;  // each face then has 512 rays that decide whether it leaks
+constexpr uint32_t kTiles = 12;
+
+// Returns a floor of tiles under a plate that shows its back to them.
+InputScene floorUnderPlate() {
+  InputScene input;
+  for (uint32_t k = 0; k < kTiles * kTiles; ++k)
+    ts::addFace(input, "floor", ts::parallelogram({double(k % kTiles), double(k / kTiles), 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(input, "plate", ts::parallelogram({0, 0, 0.5}, {2, 0, 0}, {0, 2, 0}));
+  return input;
+}
+
+double leakOfTile(uint32_t tile) {
+  const double x = tile % kTiles, y = tile / kTiles;
+  return reference::parallelRectangles({x, x + 1}, {y, y + 1}, {0, 2}, {0, 2}, 0.5);
+}
+
+Request requestOfPlate(By by, uint64_t seed) {
+  Request request;
+  request.by = by, request.seed = seed;
+  request.goal = Tolerance{kPlateTolerance};
+  return request;
+}
+
+TEST(SurveyOutside, FindsTheRowsThatLeak) {
+  constexpr uint32_t kRays = 512;
+  const Scene scene = buildScene(floorUnderPlate());
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto engine = makeRayEngine(scene, ids, {.thread_count = 2});
+  for (const uint64_t seed : {1, 2, 3}) {
+    const std::vector<bool> leaking = findLeakingRows(*engine, scene, ids, kRays, seed);
+    ASSERT_EQ(leaking.size(), kTiles * kTiles + 1);
+    EXPECT_FALSE(leaking[kTiles * kTiles]) << "the plate";
+    // A row that leaks the share of 20 rays is missed with probability 2e-9.
+    for (uint32_t k = 0; k < kTiles * kTiles; ++k) EXPECT_TRUE(leaking[k] || leakOfTile(k) < 20.0 / kRays) << k;
+    EXPECT_LT(std::ranges::count(leaking, true), kTiles * kTiles / 2);
+  }
+}
+
+// Tiles that leak have lines to the plate's back, so that what they leak is exact: nothing is in between. What other
+// tiles leak is 0, with one ray's share as the standard error of their environment. Of n rays none ends on the back of
+// the plate with probability exp(-n leak), so that the leak is more than 12 shares once in 160,000 tiles.
+TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
+  constexpr double kShare = 1.0 / 512;
+  const Scene scene = buildScene(floorUnderPlate());
+  for (const uint64_t seed : {1, 2, 3}) {
+    const FormFactors found = computeFormFactors(scene, requestOfPlate(By::polygon, seed)).form_factors;
+    uint32_t exact = 0, by_rays = 0;
+    for (uint32_t k = 0; k < kTiles * kTiles; ++k) {
+      const Measured environment = found.formFactor(k, kEnvironment), leak = found.formFactor(k, kLeak);
+      EXPECT_NEAR(environment.value + leak.value, 1, 1e-12) << k;
+      if (environment.standard_error < 1e-8) {
+        EXPECT_NEAR(leak.value, leakOfTile(k), 1e-8) << k;
+        ++exact;
+      } else {
+        EXPECT_NEAR(environment.standard_error, kShare, 1e-8) << k;
+        EXPECT_LT(leak.value, kShare) << k;
+        EXPECT_NEAR(environment.value, 1 - leakOfTile(k), 12 * kShare) << k;
+        ++by_rays;
+      }
+    }
+    EXPECT_GT(exact, 4u);
+    EXPECT_GT(by_rays, kTiles * kTiles / 2);
+  }
+}
+
+// A surface leaks as all its faces do together.
+TEST(SurveyOutside, AllFacesOfALeakingSurfaceHaveLinesToBacks) {
+  double leak = 0;
+  for (uint32_t k = 0; k < kTiles * kTiles; ++k) leak += leakOfTile(k) / (kTiles * kTiles);
+  const FormFactors found =
+      computeFormFactors(buildScene(floorUnderPlate()), requestOfPlate(By::surface, 1)).form_factors;
+  EXPECT_NEAR(found.formFactor(0, kLeak).value, leak, 1e-8);
+  EXPECT_NEAR(found.formFactor(0, kEnvironment).value, 1 - leak, 1e-8);
+  EXPECT_LT(found.formFactor(0, kEnvironment).standard_error, 1e-8);
+}
+
+// A run that is resumed has lines to the same backs, by the checkpoint, though it casts no rays.
+TEST(SurveyOutside, AResumedRunHasLinesToTheSameBacks) {
+  const Scene scene = buildScene(floorUnderPlate());
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "leaking_rows.h5";
+  FormFactorRun whole(scene, requestOfPlate(By::polygon, 1));
+  whole.makePlan();
+  whole.step();
+  whole.writeCheckpoint(file);
+  while (!whole.isDone()) whole.step();
+  FormFactorRun second(scene, requestOfPlate(By::polygon, 1));
+  second.resumeFrom(file);
+  second.makePlan();
+  while (!second.isDone()) second.step();
+  expectSameBits(second.result().form_factors, whole.result().form_factors);
+  std::filesystem::remove(file);
 }
 
 }  // namespace
