@@ -63,8 +63,9 @@ VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
 
 // An Emitter is a side of a polygon, from which rays start.
 struct Emitter {
-  dvec3 corner;  // of the polygon, which consists of one triangle or two. From it run sides of these triangles.
-  Point to_first, along_first, to_second, along_second;
+  dvec3 corner;      // of the polygon, which consists of one triangle or two. From it run sides of these triangles.
+  Point corners[3];  // the others, relative to the first; the last two of a triangle are the same
+  Point along_first, along_second;
   float first_share;                   // of the first triangle in the area
   float reach;                         // of the polygon
   Point axes[3];                       // the last one is the side's normal
@@ -180,9 +181,8 @@ Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonT
   const dvec3 front = frontNormal(scene_, polygon), normal = from_front ? front : -front,
               across = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
   Emitter emitter{.corner = c[0],
-                  .to_first = pointOf(c[1] - c[0]),
+                  .corners = {pointOf(c[1] - c[0]), pointOf(c[2] - c[0]), pointOf(last - c[0])},
                   .along_first = pointOf(c[2] - c[1]),
-                  .to_second = pointOf(c[2] - c[0]),
                   .along_second = pointOf(last - c[2]),
                   .first_share = 1,
                   .reach = reachOf(scene_, polygon),
@@ -215,7 +215,7 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
   turnBy(u[1], cosine, sine);
   const Floats radius = rootOf(u[0]), x = radius * cosine, y = radius * sine, z = rootOf<Floats>(1.0f - u[0]);
   Rays<Floats> rays;
-  rays.origin = from.corner, rays.reach = from.reach;
+  rays.origin = from.corner, rays.corners = from.corners, rays.reach = from.reach;
   const auto along = [&](float a, float b, float c) __attribute__((always_inline)) { return x * a + y * b + z * c; };
   rays.direction = {along(from.axes[0].x, from.axes[1].x, from.axes[2].x),
                     along(from.axes[0].y, from.axes[1].y, from.axes[2].y),
@@ -229,9 +229,9 @@ VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t 
                  further = ifBelow(u[2], share, Floats(along_first), Floats(along_second));
     return from_corner * (to + u[3] * further);
   };
-  rays.start = {place(from.to_first.x, from.along_first.x, from.to_second.x, from.along_second.x),
-                place(from.to_first.y, from.along_first.y, from.to_second.y, from.along_second.y),
-                place(from.to_first.z, from.along_first.z, from.to_second.z, from.along_second.z)};
+  rays.start = {place(from.corners[0].x, from.along_first.x, from.corners[1].x, from.along_second.x),
+                place(from.corners[0].y, from.along_first.y, from.corners[1].y, from.along_second.y),
+                place(from.corners[0].z, from.along_first.z, from.corners[1].z, from.along_second.z)};
   rays.plane = plane;
   return rays;
 }

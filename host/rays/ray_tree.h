@@ -5,7 +5,9 @@
 // Rays are in single precision, relative to a corner of the polygon on which they start. Planes are in double
 // precision, so that their offsets from this corner are good to a single-precision rounding of the offset itself. So
 // rays from a polygon a hand wide are right in a city of kilometres. A ray that starts behind a plane, but within its
-// polygon's reach, meets what lies in the plane. So no ray slips through the edge at which two polygons touch.
+// polygon's reach, meets what lies in the plane. So no ray slips through the edge at which two polygons touch. It does
+// not where all of its polygon lies behind the plane, as at the edge of a thin wedge, whose sides see nothing of each
+// other.
 #pragma once
 #include <cstdint>
 #include <vector>
@@ -32,6 +34,7 @@ float reachOf(const Scene& scene, const Polygon& polygon);
 template <class Floats>
 struct Rays {
   glm::dvec3 origin;                    // a corner of their polygon
+  const LaneVector<float>* corners;     // float3[3], the other corners, relative to the origin
   LaneVector<Floats> start, direction;  // start: relative to the origin; direction: unit length
   float reach;                          // of their polygon
   uint32_t plane;                       // of the polygon on which they start; its polygons are not met
@@ -90,7 +93,11 @@ class RayTree {
   struct Item;
   void build(const Scene& scene, std::vector<Item>& items);
   template <class Floats>
-  void meetFacet(Rays<Floats>& rays, uint32_t index) const;
+  void meetAll(Rays<Floats>& rays, bool with_heights) const;
+  template <class Floats>
+  void meetFacet(Rays<Floats>& rays, uint32_t index, bool with_heights) const;
+  template <class Floats>
+  static Floats heightOfPolygon(const Rays<Floats>& rays, const Facet& facet, float offset, const Floats& slope);
 
   static constexpr int kMostDepth = 256;
   // How far on the wrong side a ray may start that meets a back, in reaches of its polygon; -1: on the right side only,
@@ -100,8 +107,23 @@ class RayTree {
   std::vector<Facet> facets_;
 };
 
+// Returns how high the rays' polygon reaches above the side of a facet on which each ray arrives.
+//   In: offset: of the facet's plane from the rays' origin; slope: of rays against the facet's front
 template <class Floats>
-VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) const {
+VIEWPEEL_INLINE Floats RayTree::heightOfPolygon(const Rays<Floats>& rays, const Facet& facet, float offset,
+                                                const Floats& slope) {
+  float lowest = offset, highest = offset;
+  for (int k = 0; k < 3; ++k) {
+    const float height = dot(facet.normal, rays.corners[k]) + offset;
+    lowest = least(lowest, height), highest = greatest(highest, height);
+  }
+  const bool is_along = facet.side > 0;
+  return ifBelow(slope, Floats{}, Floats(is_along ? highest : -lowest), Floats(is_along ? -lowest : highest));
+}
+
+//   In: with_heights: whether a ray that starts behind the plane meets only what its polygon reaches above
+template <class Floats>
+VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index, bool with_heights) const {
   const Facet& facet = facets_[index];
   if (facet.plane == rays.plane) return;
   float offsets[5];  // from the rays' origin
@@ -123,7 +145,10 @@ VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) cons
       rank = withSign(Floats(facet.level * facet.side), slope),
       sooner = (rays.distance - t) + (rays.rank - rank) * kRankStep + (rays.facet - number) * kNumberStep;
   const Floats reach = least(rays.reach + t * kReachOfDistance, Floats(facet.reach)),
-               margin = least(least(ahead, sooner), reach - facet.beyondEdges(offsets, at));
+               most = least(least(ahead, sooner), reach - facet.beyondEdges(offsets, at));
+  Floats margin = most;
+  if (with_heights) [[unlikely]]
+    margin = ifBelow(rays.reach, heightOfPolygon(rays, facet, offsets[0], slope), most, least(most, height));
   rays.distance = ifBelow(none, margin, t, rays.distance);
   rays.rank = ifBelow(none, margin, rank, rays.rank);
   rays.facet = ifBelow(none, margin, number, rays.facet);
@@ -131,6 +156,17 @@ VIEWPEEL_INLINE void RayTree::meetFacet(Rays<Floats>& rays, uint32_t index) cons
 
 template <class Floats>
 VIEWPEEL_INLINE void RayTree::meet(Rays<Floats>& rays) const {
+  const Rays<Floats> before = rays;
+  meetAll(rays, false);
+  // Few rays meet something at a distance below 0, which takes heights to decide.
+  if (isAny(least(rays.distance, Floats{}))) [[unlikely]] {
+    rays = before;
+    meetAll(rays, true);
+  }
+}
+
+template <class Floats>
+VIEWPEEL_INLINE void RayTree::meetAll(Rays<Floats>& rays, bool with_heights) const {
   constexpr float kLeastPart = 1e-20f;
   const Floats none{}, one(1.0f);
   const auto inverse = [&](const Floats& part) __attribute__((always_inline)) {
@@ -151,7 +187,7 @@ VIEWPEEL_INLINE void RayTree::meet(Rays<Floats>& rays) const {
     const Floats enter = greatest(greatest(least(x0, x1), least(y0, y1)), greatest(least(z0, z1), none)),
                  leave = least(least(greatest(x0, x1), greatest(y0, y1)), least(greatest(z0, z1), rays.distance));
     if (!isAny(ifAtMost(enter, leave, one, none))) continue;
-    for (uint32_t k = node.first; k < node.first + node.facets; ++k) meetFacet(rays, k);
+    for (uint32_t k = node.first; k < node.first + node.facets; ++k) meetFacet(rays, k, with_heights);
     if (node.facets > 0) continue;
     const uint32_t nearer = runs_back[node.axis] ? 1 : 0;
     waiting[count++] = node.first + 1 - nearer;

@@ -21,9 +21,10 @@ constexpr double kBeyondDoubt = 3;
 //   In: lines: pair lines of pairs of faces; by: whether rows of the result are faces or surfaces; counted: counts
 //     along common directions, by these rows; measure_area, count_area: as in ReplicateSums
 //   Out: Where all pairs have lines, entries between rows come from lines. So does leak, or from common directions
-//     where no pair lines found it; there LeakingFaces::rays limit it. The environment of a row is 1 less its pairs and its leak. A row has an environment
-//     if a common direction saw one of its lines leave the scene. It also has one if it lacks more than three standard
-//     errors and any line left the scene. Other rows have none, and need not add up to 1.
+//     where no pair lines found it; there LeakingFaces::rays limit it. The environment of a row is 1 less its pairs and
+//     its leak. A row has an environment if a common direction saw one of its lines leave the scene. It also has one if
+//     it lacks more than three standard errors and any line left the scene. Other rows have none, and need not add up
+//     to 1.
 //     Where pairs below a least form factor have no lines, common directions have counted these pairs, environment and
 //     leak.
 //   Error: the variance of an environment is the sum of the variances of the row's pairs and of its leak, or comes from

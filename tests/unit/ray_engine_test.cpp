@@ -178,6 +178,32 @@ TEST(RayEngine, NarrowPolygonsSeeWhatLinesSee) {
     EXPECT_NEAR(found.formFactor(strip, j).value, wanted.formFactor(strip, j).value, error) << ids.names[j];
 }
 
+// The sides of a wedge see nothing of each other, however thin it is, and neither do the sides of a box seen from
+// outside. At a wedge of 1/100 the share 1e-3 of a side's rays starts nearer to the other side's plane than single
+// precision tells, and the other side is a narrow strip.
+TEST(RayEngine, SidesOfConvexBodiesSeeNothingOfEachOther) {
+  constexpr uint32_t kRays = 1024;
+  InputScene input;
+  ts::addFace(input, "left", ts::parallelogram({0, 0, 0}, {0, 1, 0}, {-0.01, 0, -1}));
+  ts::addFace(input, "strip", ts::parallelogram({0, 0, 0}, {0.01 * 0.002, 0, -0.002}, {0, 1, 0}));
+  ts::addFace(input, "right", ts::parallelogram({0.01 * 0.002, 0, -0.002}, {0.01 * 0.998, 0, -0.998}, {0, 1, 0}));
+  ts::addBox(input, "box", {-0.4, 0.2, -3}, {0.4, 0.8, -2}, false, true);
+  const Scene scene = buildScene(input);
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const auto normalOf = [&](uint32_t k) { return frontNormal(scene, scene.polygons[k]); };
+  ASSERT_LT(normalOf(0).x, -0.99);
+  ASSERT_GT(std::min(normalOf(1).x, normalOf(2).x), 0.99);
+  const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
+  uint64_t between_bodies = 0;
+  for (uint64_t series = 0; series < kSeries; ++series)
+    for (const PairCount& count : engine->count(sampleDirections(Sampler::iid, kRays, 3, series))) {
+      if (count.j >= kEnvironment) continue;
+      EXPECT_EQ(count.i < 3, count.j >= 3) << ids.names[count.i] << " " << ids.names[count.j];
+      between_bodies += count.count;
+    }
+  EXPECT_GT(between_bodies, 0u);
+}
+
 // A post stands in a room, and beside it two strips are at right angles; all are 70 times as wide as single precision
 // rounds in the unit ball. Nothing ends on a back of the post, and the strips see as much of each other as wide ones.
 TEST(RayEngine, RaysStartOnTheRightSideOfNeighbours) {
