@@ -86,9 +86,9 @@ class PairLines {
  public:
   // Prepares patches and blockers; find() does the search.
   //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; leaking: whose pairs with backs find()
-  //   finds, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty; device: draws
-  //   lines, with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their share with the
-  //   same bits; nullptr: there are none
+  //   finds, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty; device:
+  //   draws lines, with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their share
+  //   with the same bits; nullptr: there are none
   PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaking, uint64_t seed, size_t threads = 0,
             std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr);
 
