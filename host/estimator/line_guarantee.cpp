@@ -89,7 +89,7 @@ bool LineGuarantee::narrow(Entry& entry, const Interval& interval, double value,
 
 // Sets interval, value and standard error after a look at uniform lines.    Out: whether the entry is finished
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
-  const double blockable = entry.blockable(), rounding = entry.rounding();
+  const double blockable = entry.blockable, rounding = entry.rounding();
   double facing = 0, open = 0, guess = 0, lines = 0;
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     const Part& part = parts_[entry.first_part + k];

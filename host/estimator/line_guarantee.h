@@ -64,12 +64,12 @@ class LineGuarantee {
   // An Entry is a form factor between two ids, or the leak of one id.
   struct Entry {
     uint32_t i, j;
-    double error = 0;                // bound on the error of `exchange`
-    double exchange = 0, clear = 0;  // unoccluded, and the part that nothing can block; input units squared
-    double allowed = 0;              // error of the exchange area that the guarantee allows
-    double log_chance = 0;           // ln(1 / p), where p is the chance that one side of one bound fails
-    double first_weight = 0;         // largest exchange area that one line stands for, at the first look
-    double weight = 0;               // largest exchange area that one line stands for, at the last look
+    double error = 0;                 // bound on the error of the sum of the next two
+    double clear = 0, blockable = 0;  // unoccluded, of parts that nothing can block and of others; input units squared
+    double allowed = 0;               // error of the exchange area that the guarantee allows
+    double log_chance = 0;            // ln(1 / p), where p is the chance that one side of one bound fails
+    double first_weight = 0;          // largest exchange area that one line stands for, at the first look
+    double weight = 0;                // largest exchange area that one line stands for, at the last look
     uint32_t first_part = 0, part_count = 0;
     uint32_t looks = 1, look = 0;             // most looks at uniform lines, and looks done
     uint32_t strata_looks = 0;                // how many looks at lines in strata may still follow
@@ -81,10 +81,9 @@ class LineGuarantee {
     double most_candidates = INFINITY;        // a line that takes more is left open; where geometry bounds the entry
     double value = 0, standard_error = 0;
 
-    double blockable() const { return exchange - clear; }
     // Returns a bound on what unoccluded form factors and the density of lines add to the error.
-    double rounding() const { return error + kRoundingError * blockable(); }
-    bool isBounded() const { return blockable() <= allowed; }
+    double rounding() const { return error + kRoundingError * blockable; }
+    bool isBounded() const { return blockable <= allowed; }
   };
   struct Part {
     uint32_t index;

@@ -78,16 +78,15 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
     // Two faces of one surface exchange both ways within it.
     const double ways = key.first == key.second ? 2 : 1;
     Entry& entry = entries_.back();
-    entry.exchange += ways * pairs[k].exchange, entry.clear += ways * pairs[k].clear;
+    entry.clear += ways * pairs[k].exchange;  // the blockable parts are left out below
     entry.error += ways * pairs[k].error;
     for (const PairLines::Part& part : lines_.blockableParts(k))
       parts_.push_back({part.index, ways * part.exchange, part.blockers});
     entry.part_count = static_cast<uint32_t>(parts_.size()) - entry.first_part;
   }
   for (Entry& entry : entries_) {
-    double blockable = 0;
-    for (uint32_t k = 0; k < entry.part_count; ++k) blockable += parts_[entry.first_part + k].exchange;
-    entry.clear = entry.exchange - blockable;
+    for (uint32_t k = 0; k < entry.part_count; ++k) entry.blockable += parts_[entry.first_part + k].exchange;
+    entry.clear = std::max(0.0, entry.clear - entry.blockable);
     const double area = ids_.smallerArea(entry.i, entry.j);
     entry.allowed = options_.epsilon * area - entry.rounding();
     if (entry.allowed < kLeastRoundingShare * options_.epsilon * area)
@@ -106,10 +105,10 @@ void LineGuarantee::planLooks() {
                delta = options_.delta * (has_rows ? 1 - kRowShare : 1);
   double all_needs = 0;
   for (const Entry& entry : entries_)
-    if (isDrawn(entry)) all_needs += entry.blockable() / entry.allowed;
+    if (isDrawn(entry)) all_needs += entry.blockable / entry.allowed;
   log_row_ = std::log(2 * double(ids_.count()) / (kRowShare * options_.delta));
   for (Entry& entry : entries_) {
-    const double blockable = entry.blockable();
+    const double blockable = entry.blockable;
     ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
     if (entry.part_count == 0) continue;
     entry.weight = entry.first_weight = blockable / kFewestLines;
@@ -123,13 +122,13 @@ void LineGuarantee::planLooks() {
       continue;
     }
     planEntryLooks(entry,
-                   delta * (kShareByNeed * entry.blockable() / entry.allowed / all_needs + (1 - kShareByNeed) / drawn));
+                   delta * (kShareByNeed * entry.blockable / entry.allowed / all_needs + (1 - kShareByNeed) / drawn));
   }
 }
 
 // Plans the looks at an entry.    In: chance: p_k of section 14, with which any of its bounds may fail
 void LineGuarantee::planEntryLooks(Entry& entry, double chance) {
-  const double blockable = entry.blockable(), allowed = kShareOfLines * entry.allowed, fewest = entry.weight;
+  const double blockable = entry.blockable, allowed = kShareOfLines * entry.allowed, fewest = entry.weight;
   double first = 0;
   for (const double bounds : {2.0, kMostBounds}) {
     const double l = std::log(bounds / chance);
@@ -147,7 +146,7 @@ void LineGuarantee::planRows() {
   std::vector<double> blockable(ids_.count(), 0), parts(ids_.count(), 0), rounding(ids_.count(), 0),
       entry_counts(ids_.count(), 0);
   const auto addTo = [&](uint32_t row, const Entry& entry) {
-    blockable[row] += entry.blockable(), parts[row] += entry.part_count;
+    blockable[row] += entry.blockable, parts[row] += entry.part_count;
     rounding[row] += entry.rounding();
     ++entry_counts[row];
   };
@@ -162,7 +161,7 @@ void LineGuarantee::planRows() {
     forRows(entry, [&](uint32_t row) {
       const double allowed = kShareOfRowLines * options_.epsilon * ids_.areas[row] - rounding[row];
       most = std::min(most, hoeffdingWeight(blockable[row], parts[row], allowed, log_row_));
-      if (entry.blockable() * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
+      if (entry.blockable * entry_counts[row] > kShareOfOpen * options_.epsilon * ids_.areas[row])
         entry.most_candidates = std::max(entry.most_candidates, kMostCandidatesOfSums);
     });
     entry.weight = std::min(entry.weight, most), entry.first_weight = std::min(entry.first_weight, most);
@@ -176,8 +175,8 @@ void LineGuarantee::planRows() {
 double LineGuarantee::expectedLines(const Entry& entry, double share) const {
   const double variance = share * (1 - share);
   for (uint32_t look = 0; look + 1 < entry.looks; ++look) {
-    const double n = linesOf(entry, look), bound = entry.blockable() * (std::sqrt(2 * variance * entry.log_chance / n) +
-                                                                        entry.log_chance / (3 * n));
+    const double n = linesOf(entry, look), bound = entry.blockable * (std::sqrt(2 * variance * entry.log_chance / n) +
+                                                                      entry.log_chance / (3 * n));
     if (bound <= entry.allowed) return n;
   }
   return linesOf(entry, entry.looks - 1);

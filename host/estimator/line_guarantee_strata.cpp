@@ -36,7 +36,7 @@ double LineGuarantee::sumWeights(const Entry& entry) const {
 double LineGuarantee::expectedStrata(const Entry& entry, double share, double weights) {
   const double l = entry.log_chance, first = kFirstStrata * l * weights / entry.allowed,
                aim = kShareOfDeviation * entry.allowed,
-               variance = kVarianceOfStrata * share * (1 - share) * weights * entry.blockable(),
+               variance = kVarianceOfStrata * share * (1 - share) * weights * entry.blockable,
                then = std::pow(2 * l * variance / (aim * aim), 1 / kVarianceRate);
   return first + (then > first ? then : 0);
 }
@@ -46,7 +46,7 @@ double LineGuarantee::expectedStrata(const Entry& entry, double share, double we
 //   number of candidates that a uniform line takes
 double LineGuarantee::worthStrata(const Entry& entry, double share, double lines, double candidates) {
   if (entry.looks == 1) return 0;
-  const double by_strata = expectedStrata(entry, share, entry.blockable() * candidates);
+  const double by_strata = expectedStrata(entry, share, entry.blockable * candidates);
   return by_strata < kWorthStrata * lines * candidates && by_strata < kMostStrataLines ? by_strata : 0;
 }
 
@@ -129,7 +129,7 @@ bool LineGuarantee::lookAtStrata(Entry& entry, std::span<const StrataTask> tasks
                above = boundDeviation(high_figures, entry.log_chance);
   const bool is_done = narrow(entry,
                               {std::max(0.0, entry.clear + low - below - rounding),
-                               entry.clear + std::min(entry.blockable(), high + above) + rounding},
+                               entry.clear + std::min(entry.blockable, high + above) + rounding},
                               entry.clear + guess, std::sqrt(high_figures.squares));
   --entry.strata_looks, entry.strata_drawn += lines;
   if (!is_done) planStrata(entry, high_figures, lines);

@@ -11,6 +11,7 @@
 #include <viewpeel/error.h>
 
 #include "estimator/promise_cost.h"
+#include "pair_lines/pair_lines.h"
 #include "scenes/named_scenes.h"
 #include "tests/support/reference_shapes.h"
 
@@ -321,6 +322,32 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   insisting.makePlan();
   is_planned = true;
   EXPECT_THROW(insisting.step(), Error);
+}
+
+// Of what two surfaces exchange, all but 1e-17 is clear. The rest, past a strip some nanometres wide, is blockable. It is
+// less than rounding of the sum, and the lines that it needs are finite all the same.
+TEST(Promise, PartsBelowRoundingNeedFewLines) {
+  constexpr double kStrip = 5e-9;
+  InputScene input;
+  ts::addFace(input, "low", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  const ts::Corners fronts[] = {ts::parallelogram({0, 0, 0.4}, {0, 1, 0}, {0.6, 0, 0}),
+                                ts::parallelogram({1 - kStrip, 0, 0.5}, {0, 1, 0}, {0, 0, 1}),
+                                ts::parallelogram({0.9, 0.3, 0.3}, {0.6, 0, 0}, {0, 0.3, 0})};
+  ts::addFace(input, "high", fronts[0]);
+  ts::addFace(input, "high", fronts[1]);
+  ts::addFace(input, "plate", fronts[2]);
+  for (const ts::Corners& front : fronts) ts::addFace(input, "back", {front.rbegin(), front.rend()});
+  const Scene scene = buildScene(input);
+  PairLines lines(scene, makeIds(scene, By::polygon, false), {}, 1, 1);
+  const std::vector<LinePair> pairs = lines.find();
+  ASSERT_TRUE(std::ranges::any_of(pairs, [](const LinePair& pair) {
+    return pair.i == 0 && pair.j == 2 && pair.exchange > 0 && pair.exchange < 1e-17 && pair.clear < pair.exchange;
+  })) << "the strip's pair may be blocked";
+  Request request = toleranceOf(1e-2);
+  request.by = By::surface, request.promise = true;
+  const Result result = computeFormFactors(scene, request);
+  expectKept(result, 1e-2);
+  EXPECT_LT(result.plan.line_guarantee->most_lines, 1e7);
 }
 
 // A prediction draws lines and directions of its own, so that the run after it has the bits of a run without one. It
