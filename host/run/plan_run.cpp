@@ -155,12 +155,12 @@ void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
   refusePromiseOfLeak(shares.largest_leak);
 }
 
-// Returns the faces whose pairs with backs get lines. In an estimate these are the faces from which one of enough rays
-// ends on a back, for pairs with backs are as many as all others, and nearly all of them are hidden.
+// Returns the faces whose pairs with backs get lines. In an estimate at a tolerance these are the faces from which one
+// of enough rays ends on a back, for pairs with backs are as many as all others, and nearly all of them are hidden.
 LeakingFaces FormFactorRun::State::findLeakingFaces() {
   const Ids& ids = setup.faceIds();
   const double least_rays = kLeakRaysAtOne / setup.estimate().tolerance.value_or(0);
-  if (mayPromise() || setup.guarantee() || !maySurvey() || least_rays > kMostLeakRays ||
+  if (mayPromise() || setup.guarantee() || setup.estimate().is_timed || !maySurvey() || least_rays > kMostLeakRays ||
       ids.count() < kFacesOfLeakRay * least_rays)
     return {std::vector<bool>(ids.count(), true)};
   const uint32_t rays_of_face = RayEngine::usualRays(least_rays);

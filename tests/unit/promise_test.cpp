@@ -324,8 +324,8 @@ TEST(Promise, GoesOnAsAnEstimateWhereItCannotBeKept) {
   EXPECT_THROW(insisting.step(), Error);
 }
 
-// Of what two surfaces exchange, all but 1e-17 is clear. The rest, past a strip some nanometres wide, is blockable. It is
-// less than rounding of the sum, and the lines that it needs are finite all the same.
+// Of what two surfaces exchange, all but 1e-17 is clear. The rest, past a strip some nanometres wide, is blockable. It
+// is less than rounding of the sum, and the lines that it needs are finite all the same.
 TEST(Promise, PartsBelowRoundingNeedFewLines) {
   constexpr double kStrip = 5e-9;
   InputScene input;

@@ -190,6 +190,17 @@ TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
   }
 }
 
+// Where the time is the goal, no tolerance says how many rays are enough, and all rows have lines to backs.
+TEST(SurveyOutside, ATimedRunHasLinesToAllBacks) {
+  Request request = requestOfPlate(By::polygon, 1);
+  request.goal = Seconds{20};  // it ends sooner, for all of its pairs are clear
+  const FormFactors found = computeFormFactors(buildScene(floorUnderPlate()), request).form_factors;
+  for (uint32_t k = 0; k < kTiles * kTiles; ++k) {
+    EXPECT_NEAR(found.formFactor(k, kLeak).value, leakOfTile(k), 1e-8) << k;
+    EXPECT_LT(found.formFactor(k, kEnvironment).standard_error, 1e-8) << k;
+  }
+}
+
 // A surface leaks as all its faces do together.
 TEST(SurveyOutside, AllFacesOfALeakingSurfaceHaveLinesToBacks) {
   double leak = 0;
