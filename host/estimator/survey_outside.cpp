@@ -34,6 +34,12 @@ std::vector<uint32_t> requestedRows(const Ids& ids) {
   return casts;
 }
 
+std::vector<bool> isAbove0(const std::vector<double>& shares) {
+  std::vector<bool> is_above(shares.size());
+  for (size_t k = 0; k < shares.size(); ++k) is_above[k] = shares[k] > 0;
+  return is_above;
+}
+
 // Returns the largest share of which the row has three rays or more.
 double largestSure(const std::vector<double>& shares, uint32_t rays) {
   constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
@@ -47,19 +53,16 @@ OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& id
   constexpr uint32_t kFurtherRays = 1024;
   std::vector<uint32_t> casts = requestedRows(ids);
   const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
-  OutsideShares shares{.largest_environment = largestSure(first.environment, rays)};
-  std::ranges::transform(first.leak, casts.begin(), [](double leak) { return leak > 0 ? 1u : 0u; });
-  if (std::ranges::count(casts, 1u) == 0) return shares;
+  OutsideShares shares{.largest_environment = largestSure(first.environment, rays), .has_leak = isAbove0(first.leak)};
+  if (std::ranges::count(shares.has_leak, true) == 0) return shares;
+  std::ranges::copy(shares.has_leak, casts.begin());
   const RowShares further = castFrom(engine, scene, ids, casts, kFurtherRays, seed, kRayReplicates.end - 1);
   shares.largest_leak = largestSure(further.leak, kFurtherRays);
   return shares;
 }
 
 std::vector<bool> findLeakingRows(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
-  const RowShares shares = castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 3);
-  std::vector<bool> leaking(ids.count());
-  for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = shares.leak[id] > 0;
-  return leaking;
+  return isAbove0(castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 3).leak);
 }
 
 }  // namespace viewpeel

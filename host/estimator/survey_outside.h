@@ -9,9 +9,10 @@
 
 namespace viewpeel {
 
-// These are shares of what a row emits, 0 where no row is sure to have one.
+// Shares are of what a row emits, 0 where no row is sure to have one.
 struct OutsideShares {
   double largest_environment = 0, largest_leak = 0;
+  std::vector<bool> has_leak;  // by id: whether a ray ended on a back
 };
 
 // Surveys the requested rows of an engine. A row counts as open, or as leaking, if at least three of its rays leave
@@ -23,7 +24,7 @@ struct OutsideShares {
 //   Cost: rays x polygons
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed);
 
-// Returns, by id, whether one of the row's rays or more ends on a back.
+// Returns, by id, whether a ray of the row ends on a back.
 //   In: as surveyOutside()
 //   Error: a row that leaks the share s of what it emits is missed with the probability (1 - s)^rays
 //   Cost: rays x polygons

@@ -151,20 +151,26 @@ void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
       rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
       setup.request().seed);
   leaked_share = std::max(leaked_share, shares.largest_leak);
+  surveyed_leaks = shares.has_leak;
   may_leave |= shares.largest_environment > 0 || shares.largest_leak > 0;
   refusePromiseOfLeak(shares.largest_leak);
 }
 
-// Returns the faces whose pairs with backs get lines. In an estimate at a tolerance these are the faces from which one
-// of enough rays ends on a back, for pairs with backs are as many as all others, and nearly all of them are hidden.
-LeakingFaces FormFactorRun::State::findLeakingFaces() {
+// Returns the number of rays of each face that decide whether its pairs with backs get lines; 0: all get some. In an
+// estimate at a tolerance they get some where a ray ends on a back, for pairs with backs are as many as all others, and
+// nearly all of them are hidden.
+uint32_t FormFactorRun::State::leakRays() const {
+  if (mayPromise() || setup.guarantee() || setup.estimate().is_timed || !setup.estimate().tolerance || !maySurvey())
+    return 0;
+  const double least_rays = kLeakRaysAtOne / *setup.estimate().tolerance;
+  if (least_rays > kMostLeakRays || setup.faceIds().count() < kFacesOfLeakRay * least_rays) return 0;
+  return RayEngine::usualRays(least_rays);
+}
+
+// Returns the faces whose pairs with backs get lines.    In: leak_rays: from leakRays(), above 0
+LeakingFaces FormFactorRun::State::findLeakingFaces(uint32_t leak_rays) {
   const Ids& ids = setup.faceIds();
-  const double least_rays = kLeakRaysAtOne / setup.estimate().tolerance.value_or(0);
-  if (mayPromise() || setup.guarantee() || setup.estimate().is_timed || !maySurvey() || least_rays > kMostLeakRays ||
-      ids.count() < kFacesOfLeakRay * least_rays)
-    return {std::vector<bool>(ids.count(), true)};
-  const uint32_t rays_of_face = RayEngine::usualRays(least_rays);
-  std::vector<bool> leaking = findLeakingRows(rayEngine(), setup.scene(), ids, rays_of_face, setup.request().seed);
+  std::vector<bool> leaking = findLeakingRows(rayEngine(), setup.scene(), ids, leak_rays, setup.request().seed);
   if (setup.request().by == By::surface) {
     // A surface leaks as all its faces do together.
     std::vector<bool> leaking_surfaces(setup.ids().count());
@@ -172,7 +178,7 @@ LeakingFaces FormFactorRun::State::findLeakingFaces() {
       if (leaking[id]) leaking_surfaces[ids.surface[id]] = true;
     for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = leaking_surfaces[ids.surface[id]];
   }
-  return {std::move(leaking), rays_of_face};
+  return {std::move(leaking), leak_rays};
 }
 
 // Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,
@@ -191,7 +197,12 @@ std::string FormFactorRun::State::makePairLines() {
         setup.scene(), setup.faceIds(), std::move(leaking), setup.request().seed, setup.request().threads,
         [this] { stopIfRequested(); }, setup.lineDevice(), setup.crew());
   };
-  make(resumed ? resumed->sums.lines->leakingFaces() : with_leak ? findLeakingFaces() : LeakingFaces());
+  // Few rays say about how many faces leak, until all pairs are sure to have lines.
+  const uint32_t leak_rays = with_leak && !resumed ? leakRays() : 0;
+  make(resumed         ? resumed->sums.lines->leakingFaces()
+       : leak_rays > 0 ? LeakingFaces{surveyed_leaks}
+       : with_leak     ? LeakingFaces{std::vector<bool>(setup.faceIds().count(), true)}
+                       : LeakingFaces());
   const bool insists = setup.request().pair_lines.value_or(false) || resumed;
   if (pair_lines->hasUnordered() && insists)
     throw Error(
@@ -204,10 +215,11 @@ std::string FormFactorRun::State::makePairLines() {
   const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
                               ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
                               : takeMixture(counts);
+  // Beside counted pairs, leaks are counted, too.
+  if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty()) make({});
+  else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays));
   ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
-  if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty())
-    make({});  // common directions count the leak
   return why;
 }
 

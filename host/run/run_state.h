@@ -59,6 +59,7 @@ struct FormFactorRun::State {
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
   std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
   double leaked_share = 0;                                // largest share of a row's lines or rays that leak, of a few
+  std::vector<bool> surveyed_leaks;                       // by face: whether one of its few rays leaks
   bool may_leave = false;          // whether more of them leave the scene or leak than may graze edges
   std::string no_promise;          // why the tolerance is not promised but estimated; else empty
   std::string no_pair_lines;       // why there are no pair lines; else empty
@@ -121,7 +122,8 @@ struct FormFactorRun::State {
   double measureLeaks(const PairCounts& counts) const;
   void surveyOutside(const PairCounts& counts);
   bool maySurvey() const;
-  LeakingFaces findLeakingFaces();
+  uint32_t leakRays() const;
+  LeakingFaces findLeakingFaces(uint32_t leak_rays);
   std::string makePairLines();
   std::string takeMixture(const PairCounts& counts);
   bool mayHaveRays() const;
