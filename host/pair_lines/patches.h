@@ -11,7 +11,8 @@
 
 namespace viewpeel {
 
-// Roles of patches beside kEmits and kReceives: lines from it may end on backs, and it is a back on which they end.
+// Roles of patches beside kEmits and kReceives: lines from such a patch may end on backs; such a patch is one of these
+// backs.
 constexpr uint32_t kLeaks = 4, kIsBack = 8;
 static_assert((kEmits | kReceives) < kLeaks);
 

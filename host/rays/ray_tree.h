@@ -5,9 +5,9 @@
 // Rays are in single precision, relative to a corner of the polygon on which they start. Planes are in double
 // precision, so that their offsets from this corner are good to a single-precision rounding of the offset itself. So
 // rays from a polygon a hand wide are right in a city of kilometres. A ray that starts behind a plane, but within its
-// polygon's reach, meets what lies in the plane. So no ray slips through the edge at which two polygons touch. It does
-// not where all of its polygon lies behind the plane, as at the edge of a thin wedge, whose sides see nothing of each
-// other.
+// polygon's reach, meets what lies in the plane. So no ray slips through the edge at which two polygons touch. But
+// where all of its polygon lies behind the plane, the ray meets nothing there: the outer sides of a thin wedge see
+// nothing of each other.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -87,8 +87,9 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
     if (pair.j < kEnvironment) continue;
     is_open |= pair.j == kEnvironment;
     const Measured area = counted.exchangeArea(pair, measure_area, INFINITY);
-    Measured& of_row = (pair.j == kLeak ? leak : environment)[pair.i];
-    of_row = of_row.standard_error > 0 ? afterRays(area, of_row.standard_error) : area;
+    Measured& of_leak = leak[pair.i];
+    if (pair.j == kEnvironment) environment[pair.i] = area;
+    else of_leak = of_leak.standard_error > 0 ? afterRays(area, of_leak.standard_error) : area;
   }
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
