@@ -30,9 +30,9 @@ constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit
 constexpr double kGrazedShare = 1e-3;
 // A survey casts so many rays of each polygon at a tolerance of 1, and more at finer ones.
 constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
-// Rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A share of one of them is then
-// an error within the tolerance, which is 4.3 standard errors of the largest of many entries.
-constexpr double kLeakRaysAtOne = 4.5;
+// So many rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A face that leaks the
+// tolerance is then missed with a probability of exp(-6), and one ray's share is below an error that the goal allows.
+constexpr double kLeakRaysAtOne = 6;
 // Of more rays, or of more rays to a face, lines of all pairs with backs cost less.
 constexpr double kMostLeakRays = 8192, kFacesOfLeakRay = 0.125;
 constexpr uint32_t kMostSurveyed = 200'000;  // faces: rays of more take long, and much memory

@@ -124,7 +124,7 @@ TEST(SurveyOutside, LeaksOfFarAwayPartsHaveLines) {
   }
 }
 
-constexpr double kPlateTolerance = 1e-2;  // each face then has 512 rays that decide whether it leaks
+constexpr double kPlateTolerance = 1e-2;  // each face then has 768 rays that decide whether it leaks
 constexpr uint32_t kTiles = 12;
 
 // Returns a floor of tiles under a plate that shows its back to them.
@@ -149,7 +149,7 @@ Request requestOfPlate(By by, uint64_t seed) {
 }
 
 TEST(SurveyOutside, FindsTheRowsThatLeak) {
-  constexpr uint32_t kRays = 512;
+  constexpr uint32_t kRays = 768;
   const Scene scene = buildScene(floorUnderPlate());
   const Ids ids = makeIds(scene, By::polygon, false);
   const auto engine = makeRayEngine(scene, ids, {.thread_count = 2});
@@ -164,10 +164,10 @@ TEST(SurveyOutside, FindsTheRowsThatLeak) {
 }
 
 // Tiles that leak have lines to the plate's back, so that what they leak is exact: nothing is in between. What other
-// tiles leak is 0, with one ray's share as the standard error of their environment. Of n rays none ends on the back of
-// the plate with probability exp(-n leak), so that the leak is more than 12 shares once in 160,000 tiles.
+// tiles leak is 0 or what common directions saw, with one ray's share as the standard error. Of n rays none ends on the
+// back of the plate with probability exp(-n leak), so that the leak is more than 12 shares once in 160,000 tiles.
 TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
-  constexpr double kShare = 1.0 / 512;
+  constexpr double kShare = 1.0 / 768;
   const Scene scene = buildScene(floorUnderPlate());
   for (const uint64_t seed : {1, 2, 3}) {
     const FormFactors found = computeFormFactors(scene, requestOfPlate(By::polygon, seed)).form_factors;
@@ -180,7 +180,6 @@ TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
         ++exact;
       } else {
         EXPECT_NEAR(environment.standard_error, kShare, 1e-8) << k;
-        EXPECT_LT(leak.value, kShare) << k;
         EXPECT_NEAR(environment.value, 1 - leakOfTile(k), 12 * kShare) << k;
         ++by_rays;
       }
