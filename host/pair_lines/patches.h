@@ -11,8 +11,7 @@
 
 namespace viewpeel {
 
-// Roles of patches beside kEmits and kReceives: lines from such a patch may end on backs; such a patch is one of these
-// backs.
+// A patch has these roles beside kEmits and kReceives. kLeaks: lines from it may end on backs. kIsBack: it is a back.
 constexpr uint32_t kLeaks = 4, kIsBack = 8;
 static_assert((kEmits | kReceives) < kLeaks);
 

@@ -18,6 +18,7 @@
 #include "run/run_state.h"
 #include "run/settings.h"
 #include "sums/add_pairs.h"
+#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {
@@ -33,7 +34,8 @@ constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
 // So many rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A face that leaks the
 // tolerance is then missed with a probability of exp(-6), and one ray's share is below an error that the goal allows.
 constexpr double kLeakRaysAtOne = 6;
-// Of more rays, or of more rays to a face, lines of all pairs with backs cost less.
+// Lines for all pairs with backs cost less than more rays than this, and less than rays where the faces are fewer than
+// this share of the rays of a face.
 constexpr double kMostLeakRays = 8192, kFacesOfLeakRay = 0.125;
 constexpr uint32_t kMostSurveyed = 200'000;  // faces: rays of more take long, and much memory
 
@@ -156,8 +158,8 @@ void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
   refusePromiseOfLeak(shares.largest_leak);
 }
 
-// Returns the number of rays of each face that decide whether its pairs with backs get lines; 0: all get some. In an
-// estimate at a tolerance they get some where a ray ends on a back, for pairs with backs are as many as all others, and
+// Returns the number of rays of each face that decide whether the face gets lines to backs; 0: every face gets some.
+// Only an estimate at a tolerance has such rays. They save time: there are as many pairs with backs as other pairs, and
 // nearly all of them are hidden.
 uint32_t FormFactorRun::State::leakRays() const {
   if (mayPromise() || setup.guarantee() || setup.estimate().is_timed || !setup.estimate().tolerance || !maySurvey())
@@ -172,11 +174,9 @@ LeakingFaces FormFactorRun::State::findLeakingFaces(uint32_t leak_rays) {
   const Ids& ids = setup.faceIds();
   std::vector<bool> leaking = findLeakingRows(rayEngine(), setup.scene(), ids, leak_rays, setup.request().seed);
   if (setup.request().by == By::surface) {
-    // A surface leaks as all its faces do together.
-    std::vector<bool> leaking_surfaces(setup.ids().count());
-    for (uint32_t id = 0; id < ids.count(); ++id)
-      if (leaking[id]) leaking_surfaces[ids.surface[id]] = true;
-    for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = leaking_surfaces[ids.surface[id]];
+    // What a surface leaks is a sum over its faces, so either all of them have lines to backs, or none has.
+    const std::vector<bool> of_surface = leakingSurfaces(leaking, ids.surface, setup.ids().count());
+    for (uint32_t id = 0; id < ids.count(); ++id) leaking[id] = of_surface[ids.surface[id]];
   }
   return {std::move(leaking), leak_rays};
 }
@@ -215,7 +215,7 @@ std::string FormFactorRun::State::makePairLines() {
   const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
                               ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
                               : takeMixture(counts);
-  // Beside counted pairs, leaks are counted, too.
+  // Rays or common directions that count small pairs count what leaks, too.
   if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty()) make({});
   else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays));
   ray_engine.reset();  // where only its pilot was cast

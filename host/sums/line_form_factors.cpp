@@ -60,15 +60,6 @@ Measured afterRays(const Measured& leak, double error) {
   return {leak.value / (1 + ratio * ratio), error};
 }
 
-// Returns LeakingFaces of rows between polygons or surfaces.
-LeakingFaces leakingRows(const LineSums& lines, By by, size_t rows) {
-  if (by == By::polygon || lines.leakingFaces().rays == 0) return lines.leakingFaces();
-  LeakingFaces leaking{std::vector<bool>(rows), lines.leakingFaces().rays};
-  for (uint32_t face = 0; face < lines.ids().count(); ++face)
-    if (lines.leakingFaces().of_face[face]) leaking.of_face[lines.ids().surface[face]] = true;
-  return leaking;
-}
-
 // Adds entries of the environment to the rows that see it, and entries of leak that only common directions have
 // counted. Such a leak is small, or it would have lines. So its error is its spread over replicates, without the part
 // of eq. (12) that allows for what no direction saw. Where parts of a scene are far from each other, all common lines
@@ -115,11 +106,22 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
 
 }  // namespace
 
+std::vector<bool> leakingSurfaces(const std::vector<bool>& of_face, const std::vector<uint32_t>& surface,
+                                  size_t surfaces) {
+  std::vector<bool> of_surface(surfaces);
+  for (size_t face = 0; face < of_face.size(); ++face)
+    if (of_face[face]) of_surface[surface[face]] = true;
+  return of_surface;
+}
+
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area) {
-  if (lines.leastFormFactor() == 0)
-    return lineFormFactors(lines.entries(), lines.ids().surface, by, counted, measure_area,
-                           leakingRows(lines, by, counted.ids().count()));
+  if (lines.leastFormFactor() == 0) {
+    const std::vector<uint32_t>& surface = lines.ids().surface;
+    LeakingFaces leaking = lines.leakingFaces();
+    if (by == By::surface) leaking.of_face = leakingSurfaces(leaking.of_face, surface, counted.ids().count());
+    return lineFormFactors(lines.entries(), surface, by, counted, measure_area, leaking);
+  }
   if (by == By::polygon) return mixtureByPolygon(lines, counted, measure_area, count_area);
   const Ids& ids = counted.ids();
   std::vector<FormFactors::Entry> entries = mergeBySurface(lines.entries(), lines.ids().surface);

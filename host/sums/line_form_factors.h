@@ -33,6 +33,11 @@ constexpr double kBeyondDoubt = 3;
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
+// Returns, by surface, whether one of its faces leaks.
+//   In: of_face: LeakingFaces::of_face; surface: uint32_t[faces], the surface of each face
+std::vector<bool> leakingSurfaces(const std::vector<bool>& of_face, const std::vector<uint32_t>& surface,
+                                  size_t surfaces);
+
 // Returns form factors in the same way from given exchange areas of pairs of faces, and of faces with kLeak.
 //   In: entries: sorted, with independent errors, input units squared; surface: uint32_t[faces], the surface of each
 //     face; leaking: of rows of the result
