@@ -40,6 +40,22 @@ std::vector<bool> isAbove0(const std::vector<double>& shares) {
   return is_above;
 }
 
+// Returns 1 for the rows of largest shares above 0, else 0.    In: count: most rows
+std::vector<uint32_t> rowsOfLargest(const std::vector<double>& shares, size_t count) {
+  std::vector<uint32_t> rows;
+  for (uint32_t k = 0; k < shares.size(); ++k)
+    if (shares[k] > 0) rows.push_back(k);
+  if (rows.size() > count) {
+    std::ranges::nth_element(rows, rows.begin() + static_cast<std::ptrdiff_t>(count), [&](uint32_t a, uint32_t b) {
+      return shares[a] != shares[b] ? shares[a] > shares[b] : a < b;
+    });
+    rows.resize(count);
+  }
+  std::vector<uint32_t> is_of_largest(shares.size());
+  for (const uint32_t row : rows) is_of_largest[row] = 1;
+  return is_of_largest;
+}
+
 // Returns the largest share of which the row has three rays or more.
 double largestSure(const std::vector<double>& shares, uint32_t rays) {
   constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
@@ -51,12 +67,12 @@ double largestSure(const std::vector<double>& shares, uint32_t rays) {
 
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
   constexpr uint32_t kFurtherRays = 1024;
-  std::vector<uint32_t> casts = requestedRows(ids);
-  const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
+  constexpr size_t kMostFurtherRows = 512;
+  const RowShares first = castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 2);
   OutsideShares shares{.largest_environment = largestSure(first.environment, rays), .has_leak = isAbove0(first.leak)};
   if (std::ranges::count(shares.has_leak, true) == 0) return shares;
-  std::ranges::copy(shares.has_leak, casts.begin());
-  const RowShares further = castFrom(engine, scene, ids, casts, kFurtherRays, seed, kRayReplicates.end - 1);
+  const RowShares further = castFrom(engine, scene, ids, rowsOfLargest(first.leak, kMostFurtherRows), kFurtherRays,
+                                     seed, kRayReplicates.end - 1);
   shares.largest_leak = largestSure(further.leak, kFurtherRays);
   return shares;
 }

@@ -18,9 +18,10 @@ struct OutsideShares {
 // Surveys the requested rows of an engine. A row counts as open, or as leaking, if at least three of its rays leave
 // the scene or end on backs. One or two may have grazed an edge within rounding: in nine scenes of 576 to 9,984
 // polygons at most 1 ray in 80,000 did so, and no row had three such rays of 1,024.
-//   In: engine: counts by id; rays: of each polygon, from usualRays(). If one of them ends on a back, its row gets
-//     1,024 further rays, which alone decide whether it leaks
-//   Error: with 64 rays a row that leaks 5 % of what it emits is missed with a probability of 0.04
+//   In: engine: counts by id; rays: of each polygon, from usualRays(). The 512 rows whose rays end on backs most often
+//     get 1,024 further rays, which alone decide whether they leak
+//   Error: with 64 rays a row that leaks 5 % of what it emits is missed with a probability of 0.04. Where more than 512
+//     rows leak, the largest leak is that of the rows that seemed to leak most
 //   Cost: rays x polygons
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed);
 

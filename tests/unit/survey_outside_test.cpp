@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include <glm/vec3.hpp>
 #include <viewpeel/compute.h>
 #include "estimator/survey_outside.h"
 #include "reference/closed_forms/rectangles.h"
@@ -58,6 +59,21 @@ TEST(SurveyOutside, MeasuresTheLargestShares) {
   EXPECT_EQ(open.largest_leak, 0);
   EXPECT_EQ(leaking.largest_environment, 1);  // of the high squares
   EXPECT_NEAR(leaking.largest_leak, kOfSquares, 6 * error_of_1024);
+}
+
+// More rows leak than get further rays. One of them leaks far more than the others.
+TEST(SurveyOutside, OfManyLeakingRowsFindsTheLargestShare) {
+  constexpr double kNear = 0.001;
+  InputScene input;
+  for (int k = 0; k < 700; ++k) {
+    const glm::dvec3 corner(k % 30, k / 30, 0), right(kSize, 0, 0), back(0, kSize, 0);
+    ts::addFace(input, "low " + std::to_string(k), ts::parallelogram(corner, right, back));
+    ts::addFace(input, "high " + std::to_string(k),
+                ts::parallelogram(corner + glm::dvec3(0, 0, k == 555 ? kNear : kApart), right, back));
+  }
+  const double largest = reference::parallelRectangles({0, kSize}, {0, kSize}, {0, kSize}, {0, kSize}, kNear);
+  const double error_of_1024 = std::sqrt(largest * (1 - largest) / 1024);
+  EXPECT_NEAR(survey(input).largest_leak, largest, 6 * error_of_1024);
 }
 
 // No line of a common direction meets these squares. Rows still add up to 1, by the environment that is left.
