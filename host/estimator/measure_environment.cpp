@@ -159,11 +159,12 @@ class Measurement {
     return rays;
   }
 
-  // Returns whether rays are less work than the directions that the worst row needs. It depends on counts alone, so
-  // that results do not depend on the machine.
+  // Returns whether rays, or what the caller does in place of more than request_.most_rays, are less work than the
+  // directions that the worst row needs. It depends on counts alone, so that results do not depend on the machine.
   bool arePaid(const EnvironmentParts& parts, double directions) const {
     const double more = std::pow(parts.largest_standard_error / request_.tolerance, 1 / kLeastExponent);
-    return neededRays(parts) < kReplicates * directions * more * kRaysOfDirection * double(ids_.of_polygon.size());
+    return std::min(neededRays(parts), request_.most_rays.value_or(INFINITY)) <
+           kReplicates * directions * more * kRaysOfDirection * double(ids_.of_polygon.size());
   }
 
   // Casts rays from all rows that miss the tolerance, until these reach it.
