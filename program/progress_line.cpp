@@ -52,8 +52,11 @@ std::string inShort(double seconds) {
 }
 
 std::string describeCount(const Request& request, const Progress& progress) {
-  if (progress.most_blocks)
-    return fmt::format("block {} of {} expected", progress.replicates + 1, progress.expected_blocks);
+  if (progress.most_blocks) {
+    const uint64_t block = progress.replicates + 1;
+    return block > progress.expected_blocks ? fmt::format("block {}", block)
+                                            : fmt::format("block {} of {} expected", block, progress.expected_blocks);
+  }
   if (progress.phase != Progress::Phase::counting)
     return progress.directions ? fmt::format("direction {} of a pilot", progress.directions) : "";
   const bool has_end = !request.time_limit_s && !std::holds_alternative<Seconds>(request.goal);

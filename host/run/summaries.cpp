@@ -99,6 +99,7 @@ std::string optionsOf(const PlanSummary& plan) {
 }
 
 std::string inWords(double seconds) {
+  if (seconds < 0.01) return "less than 0.01 s";
   if (seconds < 99.5) return fmt::format("{:.2g} s", seconds);
   if (seconds < 120) return fmt::format("{:.0f} s", seconds);
   if (seconds < 7200) return fmt::format("{:.0f} minutes", seconds / 60);
