@@ -22,7 +22,8 @@ using reference::CheckReport;
 using reference::CheckRow;
 
 struct CheckCommand {
-  std::string scene, groups;
+  std::vector<std::string> scene;  // its files
+  std::string groups;
   SceneOptions scene_options;
   reference::CheckOptions check;
   EngineKind engine = EngineKind::compute;
@@ -52,7 +53,8 @@ std::string tabulate(const CheckReport& report) {
 }
 
 int runCheck(const CheckCommand& command) {
-  const Scene scene = loadGroupedScene(command.scene, command.groups, command.scene_options);
+  const Scene scene =
+      loadGroupedScene({command.scene.begin(), command.scene.end()}, command.groups, command.scene_options);
   fmt::print("{}", command.json ? "" : describeCoincidences(scene));
   for (const std::string& warning : scene.warnings) warn(warning);
   if (!command.two_sided)

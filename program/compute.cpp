@@ -227,7 +227,7 @@ int runCompute(const ComputeOptions& options) {
   const bool is_held = options.keepsCheckpoint() || options.keepsResults();
   if (is_held) holdInterrupts([&] { return reportInterruption(options, 0); });
   ProgressLine progress(options.request, !options.quiet);
-  progress.begin("reading " + options.scene);
+  progress.begin(fmt::format("reading {}", fmt::join(options.scene, ", ")));
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   progress.clear();
   checkScene(options, scene);

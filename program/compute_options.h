@@ -15,7 +15,8 @@
 namespace viewpeel::program {
 
 struct ComputeOptions {
-  std::string scene, groups;
+  std::vector<std::string> scene;  // its files
+  std::string groups;
   Request request;
   OutputOptions output;
   std::vector<std::string> older_files;  // NAME.closed.mtx, which --closure writes beside NAME.mtx

@@ -23,7 +23,8 @@ namespace {
 struct MergeCommand {
   std::vector<std::string> inputs;
   OutputOptions output;
-  std::string checkpoint, scene, groups;
+  std::vector<std::string> scene;  // its files
+  std::string checkpoint, groups;
   bool resume = false, quiet = false, json = false;
 
   bool talks() const { return !quiet && !json && !output.to_stdout; }
@@ -110,8 +111,11 @@ void addMerge(CLI::App& app, Run& chosen) {
       ->add_option(
           "--scene", options->scene,
           "The scene that was computed: for unoccluded form factors of pairs with few lines, which checkpoints "
-          "of more than 2,896 polygons do not keep; for the polygons of .vtp, and of .h5")
-      ->type_name("FILE");
+          "of more than 2,896 polygons do not keep; for the polygons of .vtp, and of .h5. Once for each of its files, "
+          "in "
+          "the order in which they were computed")
+      ->type_name("FILE")
+      ->allow_extra_args(false);
   addGroupsOption(command, options->groups);
   command
       ->add_option("--checkpoint", options->checkpoint,

@@ -153,7 +153,7 @@ void checkOnlyEnvironment(const CLI::App* command, const ComputeOptions& options
 int computeOnlyEnvironment(const ComputeOptions& options) {
   checkFiles(options);
   ProgressLine progress(options.request, !options.quiet);
-  progress.begin("reading " + options.scene);
+  progress.begin(fmt::format("reading {}", fmt::join(options.scene, ", ")));
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   progress.clear();
   if (options.talks()) fmt::print("{}{}", describeProcessor(), describeScene(scene));

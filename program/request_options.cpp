@@ -252,8 +252,8 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   return request;
 }
 
-Scene loadSceneOf(const std::string& file, const SceneOptions& options, const std::string& groups) {
-  Scene scene = loadGroupedScene(file, groups, options);
+Scene loadSceneOf(const std::vector<std::string>& files, const SceneOptions& options, const std::string& groups) {
+  Scene scene = loadGroupedScene({files.begin(), files.end()}, groups, options);
   for (const std::string& warning : scene.warnings) warn(warning);
   return scene;
 }

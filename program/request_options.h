@@ -3,6 +3,8 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
+#include <string>
 
 #include <viewpeel/request.h>
 
@@ -11,7 +13,8 @@
 namespace viewpeel::program {
 
 struct RequestOptions {
-  std::string scene, groups;
+  std::vector<std::string> scene;  // its files
+  std::string groups;
   // Options that depend on no other option are set in `request`; the members below determine the rest of it.
   Request request;
   std::optional<double> tolerance, relative, seconds, epsilon;
@@ -24,7 +27,7 @@ std::shared_ptr<RequestOptions> addRequestOptions(CLI::App* command);
 // Makes the request after parsing.    Throws: Error bad_usage for options that contradict each other.
 Request requestOf(const CLI::App* command, const RequestOptions& options);
 
-// Reads a scene and prints its warnings on stderr.
-Scene loadSceneOf(const std::string& file, const SceneOptions& options, const std::string& groups = "");
+// Reads a scene of one file or several, and prints its warnings on stderr.
+Scene loadSceneOf(const std::vector<std::string>& files, const SceneOptions& options, const std::string& groups = "");
 
 }  // namespace viewpeel::program

@@ -57,7 +57,7 @@ int runRowBlocks(const ComputeOptions& options) {
   checkFiles(options);
   holdInterrupts([] { return reportStop(0); });
   ProgressLine progress(options.request, !options.quiet);
-  progress.begin("reading " + options.scene);
+  progress.begin(fmt::format("reading {}", fmt::join(options.scene, ", ")));
   const Scene scene = loadSceneOf(options.scene, options.request.scene_options, options.groups);
   progress.clear();
   if (options.talks()) {

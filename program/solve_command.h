@@ -18,7 +18,8 @@ namespace viewpeel::program {
 enum class MatrixFree { automatic, on, off };
 
 struct SolveCommand {
-  std::string scene, groups, materials;
+  std::vector<std::string> scene;  // its files
+  std::string groups, materials;
   std::vector<std::string> outputs, stored;
   std::vector<PlannedFile> files;  // all outputs, and whether each existed before the run
   Request request;

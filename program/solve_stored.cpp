@@ -148,7 +148,7 @@ int solveResult(const SolveCommand& command, const MaterialTable& table) {
     throw Error(ErrorCode::bad_usage,
                 fmt::format("{}: another scene than that of {}: it has another number of rows; give the scene that was "
                             "computed",
-                            command.scene, file));
+                            scene->file, file));
   figures.form_factors = form_factors;
   return solveWith(command, table,
                    {.form_factors = form_factors,

@@ -16,13 +16,15 @@ struct StoredRun::LoadedScene {
   Ids face_ids;
   FaceExchanges exchanges;
 
-  LoadedScene(const std::string& file, const std::string& groups, const SceneOptions& options, bool two_sided)
-      : scene(loadGroupedScene(file, groups, options)),
+  LoadedScene(const std::vector<std::string>& files, const std::string& groups, const SceneOptions& options,
+              bool two_sided)
+      : scene(loadGroupedScene({files.begin(), files.end()}, groups, options)),
         face_ids(makeIds(scene, By::polygon, two_sided)),
         exchanges(nullptr, scene, face_ids) {}
 };
 
-StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene, const std::string& groups)
+StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::vector<std::string>& scene,
+                     const std::string& groups)
     : first_file_(checkpoints.front()), merged_(mergeCheckpoints({checkpoints.begin(), checkpoints.end()})) {
   if (!scene.empty()) {
     of_ = std::make_unique<LoadedScene>(scene, groups, sceneOptionsOf(merged_.settings),
@@ -30,8 +32,8 @@ StoredRun::StoredRun(const std::vector<std::string>& checkpoints, const std::str
     const std::string computed = findSetting(merged_.settings, "scene").value_or("");
     if (identityOf(of_->scene) != computed)
       throw Error(ErrorCode::bad_usage,
-                  fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed", scene,
-                              first_file_, identityOf(of_->scene), computed));
+                  fmt::format("{}: another scene than that of {}: {}, not {}; give the scene that was computed",
+                              of_->scene.file, first_file_, identityOf(of_->scene), computed));
   }
   is_sparse_ = merged_.sums.prior_sums && merged_.sums.prior_sums->by() == By::polygon &&
                !merged_.sums.prior_sums->prior().has_all_pairs;

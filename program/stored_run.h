@@ -1,4 +1,4 @@
-// A StoredRun is a run read from checkpoints, with its scene if the user names the scene's file.
+// A StoredRun is a run read from checkpoints, with its scene if the user names the scene's files.
 #pragma once
 #include <memory>
 #include <string>
@@ -12,9 +12,10 @@ namespace viewpeel::program {
 class StoredRun {
  public:
   // Reads and adds up checkpoints.
-  //   In: scene: file of the scene; empty if it is not available; groups: names of its faces, as for --groups
+  //   In: scene: files of the scene; empty if it is not available; groups: names of its faces, as for --groups
   //   Throws: as mergeCheckpoints and loadScene; Error bad_usage where the checkpoints are of another scene.
-  StoredRun(const std::vector<std::string>& checkpoints, const std::string& scene, const std::string& groups = "");
+  StoredRun(const std::vector<std::string>& checkpoints, const std::vector<std::string>& scene,
+            const std::string& groups = "");
   ~StoredRun();
 
   const Checkpoint& merged() const { return merged_; }

@@ -10,6 +10,7 @@
 #include "scene/coincident.h"
 #include "scene/face_names.h"
 #include "scene/group_planes.h"
+#include "scene/join_scenes.h"
 #include "scene/overlaps.h"
 #include "scene/perimeter.h"
 #include "scene/precision.h"
@@ -25,10 +26,6 @@ namespace {
 // even for polygons of 1e-32 of the radius squared.
 constexpr double kLargestRadius = 1e60, kSmallestRadius = 1e-60;
 
-std::string place(const InputScene& input, const InputFace& face) {
-  return face.line ? fmt::format("{}:{}", input.file, face.line) : input.file;
-}
-
 // Sets the centre and the scale of the scene: the ball around the bounding box, which holds every corner.
 void fitUnitBall(const InputScene& input, Scene& scene) {
   glm::dvec3 low(INFINITY), high(-INFINITY);
@@ -36,7 +33,7 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
     for (const glm::dvec3& corner : face.corners) {
       if (!std::isfinite(corner.x) || !std::isfinite(corner.y) || !std::isfinite(corner.z))
         throw Error(ErrorCode::bad_input,
-                    fmt::format("{}: a coordinate is not a finite number; correct it", place(input, face)));
+                    fmt::format("{}: a coordinate is not a finite number; correct it", placeOfFace(input, face)));
       low = glm::min(low, corner);
       high = glm::max(high, corner);
     }
@@ -162,7 +159,7 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
   Dropped dropped;
   for (size_t row = 0; row < input.faces.size(); ++row) {
     const char* reason = reasonToDrop(distinctCorners(input.faces[row], scene), scene);
-    if (reason) dropped.count(reason, place(input, input.faces[row]));
+    if (reason) dropped.count(reason, placeOfFace(input, input.faces[row]));
     is_left_out[row] = reason != nullptr;
   }
   for (const Duplicate& repeat : repeats) is_left_out[repeat.face] = true;
@@ -175,10 +172,10 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
       throw Error(ErrorCode::bad_input,
                   fmt::format("{}: the face has {} corners, too many to cut it into convex pieces in seconds; split it "
                               "into several",
-                              place(input, of_file), corners.size()));
+                              placeOfFace(input, of_file), corners.size()));
     if (pieces->empty())
       throw Error(ErrorCode::bad_input,
-                  fmt::format("{}: the face crosses itself; split it into simple ones", place(input, of_file)));
+                  fmt::format("{}: the face crosses itself; split it into simple ones", placeOfFace(input, of_file)));
     for (const std::vector<uint32_t>& piece : *pieces) addPiece(corners, piece, face, scene);
   }
   for (std::string& line : dropped.warnings()) scene.warnings.push_back(std::move(line));
@@ -193,8 +190,9 @@ std::string describeRepeats(const InputScene& input, const std::vector<Duplicate
   const std::vector<std::string> names = nameFaces(input);
   const auto nameOf = [&](uint32_t face) {
     const uint32_t line = input.faces[face].line;
+    if (line && !input.files.empty()) return fmt::format("{} ({})", names[face], placeOfFace(input, input.faces[face]));
     return line ? fmt::format("{} (line {})", names[face], line)
-                : fmt::format("{} (face {} of the file)", names[face], face + 1);
+                : fmt::format("{} (face {} of the scene)", names[face], face + 1);
   };
   const Duplicate& first = repeats.front();
   const bool is_one = repeats.size() == 1;

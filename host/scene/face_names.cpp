@@ -10,6 +10,7 @@
 #include <fmt/format.h>
 
 #include <viewpeel/error.h>
+#include "scene/join_scenes.h"
 #include "scene/nearest_word.h"
 
 namespace viewpeel {
@@ -34,7 +35,7 @@ std::optional<NumberedName> splitName(const std::string& name) {
 // Returns "FILE:LINE" of a surface's first face, or "FILE" where faces have no lines.
 std::string placeOf(const InputScene& input, uint32_t surface) {
   const auto face = std::ranges::find(input.faces, surface, &InputFace::surface);
-  return input.file + (face->line ? fmt::format(":{}", face->line) : "");
+  return placeOfFace(input, *face);
 }
 
 std::vector<uint32_t> countFaces(const InputScene& input) {

@@ -6,6 +6,7 @@
 
 #include <viewpeel/error.h>
 #include "scene/energyplus.h"
+#include "scene/join_scenes.h"
 #include "scene/read_groups.h"
 #include "scene/readers.h"
 
@@ -27,6 +28,15 @@ std::string extensionOf(const fs::path& file) {
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   return extension;
+}
+
+// Refuses a file whose format describes a whole scene: its cavities, zones or ranks.
+void requirePart(const fs::path& file) {
+  const std::string extension = extensionOf(file);
+  std::error_code failure;
+  if (fs::is_directory(file, failure) || isEnergyPlus(file) || extension == ".vs3" || extension == ".inp")
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: a file of this format is a whole scene; give it alone", file.string()));
 }
 
 }  // namespace
@@ -57,8 +67,27 @@ InputScene readScene(const fs::path& file, const SceneOptions& options) {
          "folder of an OpenFOAM case");
 }
 
+InputScene readScene(const std::vector<fs::path>& files, const SceneOptions& options) {
+  if (files.empty()) throw Error(ErrorCode::bad_usage, "a scene needs a file; name one");
+  if (files.size() == 1) return readScene(files.front(), options);
+  std::vector<InputScene> parts;
+  for (size_t k = 0; k < files.size(); ++k) {
+    requirePart(files[k]);
+    parts.push_back(readScene(files[k], options));
+    std::error_code failure;
+    for (size_t earlier = 0; earlier < k; ++earlier)
+      if (fs::equivalent(files[earlier], files[k], failure))
+        throw Error(ErrorCode::bad_usage, fmt::format("{}: is named twice; leave one out", files[k].string()));
+  }
+  return joinScenes(std::move(parts));
+}
+
 Scene loadScene(const fs::path& file, const SceneOptions& options) {
   return buildScene(readScene(file, options), options);
+}
+
+Scene loadScene(const std::vector<fs::path>& files, const SceneOptions& options) {
+  return buildScene(readScene(files, options), options);
 }
 
 }  // namespace viewpeel

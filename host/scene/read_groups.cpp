@@ -81,9 +81,14 @@ void nameFaces(const std::filesystem::path& groups, InputScene& scene) {
   }
 }
 
-Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem::path& groups,
+Scene loadGroupedScene(const std::vector<std::filesystem::path>& files, const std::filesystem::path& groups,
                        const SceneOptions& options) {
-  if (groups.empty()) return loadScene(file, options);
+  if (groups.empty()) return loadScene(files, options);
+  if (files.size() != 1)
+    throw Error(
+        ErrorCode::bad_usage,
+        fmt::format("{}: --groups names the faces of one file; give one scene file, or leave it out", groups.string()));
+  const std::filesystem::path& file = files.front();
   std::string extension = file.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
   if (extension != ".stl" && extension != ".ply")

@@ -1,6 +1,7 @@
 // A file of groups names the faces of a scene in a format without names: binary STL and PLY.
 #pragma once
 #include <filesystem>
+#include <vector>
 
 #include <viewpeel/scene.h>
 
@@ -15,12 +16,15 @@ namespace viewpeel {
 void nameFaces(const std::filesystem::path& groups, InputScene& scene);
 
 // Reads a .stl or .ply file, names its faces, and builds the scene.
-//   In: file, options: as in loadScene; groups: empty for no names
-//   Throws: as loadScene and nameFaces; Error bad_usage for groups of another format.
-Scene loadGroupedScene(const std::filesystem::path& file, const std::filesystem::path& groups,
+//   In: files, options: as in loadScene; groups: empty for no names
+//   Throws: as loadScene and nameFaces; Error bad_usage for groups of another format, or of several files.
+Scene loadGroupedScene(const std::vector<std::filesystem::path>& files, const std::filesystem::path& groups,
                        const SceneOptions& options);
 
 // Reads a file without building the scene.    In: options: zones and outside count    Throws: as loadScene.
 InputScene readScene(const std::filesystem::path& file, const SceneOptions& options);
+
+// Reads several files into one, as loadScene of several files does.    Throws: as that.
+InputScene readScene(const std::vector<std::filesystem::path>& files, const SceneOptions& options);
 
 }  // namespace viewpeel

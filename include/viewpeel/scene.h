@@ -16,6 +16,12 @@ struct InputFace {
   uint32_t line = 0;                // line in the file; 0 where the format has no lines
 };
 
+// An InputFile is one of several files that make a scene.
+struct InputFile {
+  std::string file;         // as the user names it
+  uint32_t first_face = 0;  // index into InputScene::faces
+};
+
 struct InputScene {
   std::string file;  // name that messages show
   std::vector<std::string> surface_names;
@@ -27,7 +33,8 @@ struct InputScene {
   std::vector<std::string> solids{};
   // The file says that coincident faces of these surfaces are back to back, as SceneOptions::sheets does.
   std::vector<std::string> sheets{};
-  bool is_outside = false;  // as Scene::is_outside
+  bool is_outside = false;         // as Scene::is_outside
+  std::vector<InputFile> files{};  // where several files make the scene, in the order of their faces; otherwise empty
 };
 
 // A line hits coplanar polygons at the same depth, and tie ranks decide their order. A rank is a position, from 0 to
@@ -134,6 +141,14 @@ Scene buildScene(const InputScene& input, const SceneOptions& options = {});
 //   In: file: any name; options: as for buildScene    Out, Error, Cost: as buildScene. Tests: tests/unit/load_test.cpp.
 //   Throws: as buildScene; Error bad_input for a file that cannot be read, naming file, line and remedy.
 Scene loadScene(const std::filesystem::path& file, const SceneOptions& options = {});
+
+// Reads several files into one scene, each with some of its parts. Rows are in the order of the files. A surface name
+// that occurs in several files has the name of its file and a slash before it: "inner/wall". All files have the same
+// unit of length and the same axes. Scene::file names the files without their folders.
+//   In: files: .obj, .stl, .ply, .gltf, .glb, .msh, .vtp or .vtu; a single file may have any format
+//   Out, Error, Cost: as buildScene. Tests: tests/unit/join_scenes_test.cpp.
+//   Throws: as loadScene; Error bad_usage for no file, for a file that is named twice, and for another format.
+Scene loadScene(const std::vector<std::filesystem::path>& files, const SceneOptions& options = {});
 
 // Returns the name of a face: "desk[3]", or "desk" where the surface has only one face.
 //   In: face_index: index into Scene::faces    Cost: O(1).

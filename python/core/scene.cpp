@@ -64,15 +64,15 @@ void addScene(py::module_& module) {
       .def_property_readonly("warnings", [](const HeldScene& held) { return held.scene->warnings; });
   module.def(
       "load_scene",
-      [](const std::string& file, std::vector<std::string> sheets, std::vector<std::string> solids,
+      [](const std::vector<std::string>& files, std::vector<std::string> sheets, std::vector<std::string> solids,
          std::vector<std::string> flip, bool fix_normals, double unit_m, std::vector<std::string> zones, bool outside) {
         SceneOptions options = optionsOf(std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m,
                                          std::move(zones), outside);
         const py::gil_scoped_release released;
-        return hold(loadScene(file, options), options);
+        return hold(loadScene({files.begin(), files.end()}, options), options);
       },
-      py::arg("file"), py::arg("sheets"), py::arg("solids"), py::arg("flip"), py::arg("fix_normals"), py::arg("unit_m"),
-      py::arg("zones"), py::arg("outside"));
+      py::arg("files"), py::arg("sheets"), py::arg("solids"), py::arg("flip"), py::arg("fix_normals"),
+      py::arg("unit_m"), py::arg("zones"), py::arg("outside"));
   module.def(
       "build_scene",
       [](const Points& points, const Indices& corners, const Indices& starts, const Indices& surfaces,

@@ -44,6 +44,21 @@ class Scenes(unittest.TestCase):
         expect_plates(self, named)
         self.assertEqual(named.names, ["low", "high"])
 
+    def test_several_files(self):
+        with tempfile.TemporaryDirectory() as folder:
+            corners = [[PLATE_POINTS[k] for k in plate] for plate in PLATES]
+            files = [Path(folder, name) for name in ("low.obj", "high.obj")]
+            for file, plate in zip(files, corners):
+                file.write_text("".join("v {} {} {}\n".format(*point) for point in plate) + "f 1 2 3 4\n")
+            for scene in (files, tuple(str(file) for file in files)):
+                result = viewpeel.compute(scene)
+                expect_plates(self, result)
+                self.assertEqual(result.names, ["low", "high"])
+            with self.assertRaisesRegex(ValueError, "low.obj: is named twice"):
+                viewpeel.compute([files[0], files[0]])
+            with self.assertRaisesRegex(ValueError, "is no scene"):
+                viewpeel.compute([])
+
     def test_polygons_of_different_sizes(self):
         points = numpy.vstack([PLATE_POINTS, [[5, 5, 5], [6, 5, 5], [5, 6, 5]]])
         result = viewpeel.compute((points, [*PLATES.tolist(), [8, 9, 10]], ["low", "high", "triangle"]))

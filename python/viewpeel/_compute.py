@@ -62,6 +62,7 @@ def compute(
         scene: one of these:
             a file (.obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf, .epJSON) or the folder of an
                 OpenFOAM case,
+            a list of files, each with a part of the scene (.obj, .stl, .ply, .gltf, .glb, .msh, .vtp, .vtu),
             (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
                 indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
             a mesh of meshio, trimesh, pyvista (PolyData) or VTK

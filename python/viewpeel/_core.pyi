@@ -22,7 +22,7 @@ class Scene:
     def warnings(self) -> list[str]: ...
 
 def load_scene(
-    file: str,
+    files: Sequence[str],
     sheets: Sequence[str],
     solids: Sequence[str],
     flip: Sequence[str],

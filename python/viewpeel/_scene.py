@@ -143,15 +143,23 @@ def _polygons_of(scene: Any) -> Polygons:
     if hasattr(scene, "extract_surface"):
         raise ValueError("mesh: is no surface; give mesh.extract_surface()")
     raise ValueError(
-        f"scene: {type(scene).__name__} is no scene; give a file, (points, polygons, names), or a mesh of meshio, "
+        f"scene: {type(scene).__name__} is no scene; give a file, several files, (points, polygons, names), or a mesh of meshio, "
         "trimesh, pyvista or VTK"
     )
+
+
+def _files_of(scene: Any) -> list[str]:
+    """Returns the names of the files where the scene is one file or several, else an empty list."""
+    files = [scene] if isinstance(scene, (str, os.PathLike)) else scene
+    if not isinstance(files, (tuple, list)) or not all(isinstance(file, (str, os.PathLike)) for file in files):
+        return []
+    return [os.fspath(file) for file in files]
 
 
 def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
     """Makes a scene, and warns of what was noticed in it.
 
-    In: scene: file, arrays or mesh; options: takes sheets, solids, flip, fix_normals, units, zones and outside out of it
+    In: scene: file, files, arrays or mesh; options: takes sheets, solids, flip, fix_normals, units, zones and outside out of it
     """
     if isinstance(scene, _core.Scene):
         return scene
@@ -161,8 +169,8 @@ def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
         raise ValueError(f"units: '{units}' is not one of {', '.join(_UNITS_M)}")
     how = dict(words, fix_normals=bool(options.pop("fix_normals", False)), unit_m=_UNITS_M[units])
     zones, outside = options.pop("zones", ()), bool(options.pop("outside", False))
-    if isinstance(scene, (str, os.PathLike)):
-        made = _core.load_scene(os.fspath(scene), zones=[zones] if isinstance(zones, str) else list(zones), outside=outside, **how)
+    if files := _files_of(scene):
+        made = _core.load_scene(files, zones=[zones] if isinstance(zones, str) else list(zones), outside=outside, **how)
     elif zones or outside:
         raise ValueError("zones, outside: are of an EnergyPlus building; give its file, .idf or .epJSON")
     else:

@@ -155,7 +155,7 @@ TEST_F(BadInput, OptionsOutOfRangeContradictoryOrRepeated) {
       {"-o " + file("a.csv") + " -o " + file("./a.csv"), "two outputs have this name"},
       {"-o " + file("a.csv") + " --checkpoint " + file("a.csv"), "two outputs have this name"},
       {"--balance -o " + file("a.mtx") + " --checkpoint " + file("a.balanced.mtx"), "two outputs have this name"},
-      {"another.obj", "is not expected"},
+      {"another.obj", "no such file"},
   };
   for (const auto& [options, part] : cases) expectOneLine(run(kPlates + options), 2, "", part);
   EXPECT_EQ(files(), std::vector<std::string>{});

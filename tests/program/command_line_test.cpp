@@ -24,7 +24,7 @@ TEST_F(Program, MistypedWordsAreCorrectedInOneLine) {
            {"plan " + kCube + " --resoluton=9", "there is no option --resoluton; did you mean --resolution?",
             "plan --help'"},
            {"compute " + kCube + " --zzzzzzz", "there is no option --zzzzzzz; see", "compute --help'"},
-           {"compute " + kCube + " one two", "'one' is not expected", "compute --help'"},
+           {"devices one two", "'one' is not expected", "devices --help'"},
            {"compute " + kCube + " --directions", "--directions: 1 required N missing", "compute --help'"}}) {
     const Result r = run(c.arguments);
     EXPECT_EQ(r.status, 2) << c.arguments;

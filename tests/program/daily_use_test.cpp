@@ -1,5 +1,7 @@
 // These tests use outputs as daily work does: fewer entries, pipes, names for faces, summed parts, another place on a
 // full disk.
+#include <fstream>
+
 #include <fmt/format.h>
 
 #include "tests/support/program.h"
@@ -21,6 +23,34 @@ class DailyUse : public Program {
     EXPECT_EQ(judged.status, 0) << judged.output;
   }
 };
+
+// A scene of two files gives the bytes of the same scene in one file, from every command that reads a scene.
+TEST_F(DailyUse, SeveralFilesAreOneScene) {
+  const std::string low = "o low\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\n",
+                    high = "o high\nv 0 0 1\nv 0 1 1\nv 1 1 1\nv 1 0 1\n";
+  const auto write = [&](const char* name, const std::string& text) { std::ofstream(file(name)) << text; };
+  write("low.obj", low), write("high.obj", high + "f 1 2 3 4\n"), write("both.obj", low + high + "f 5 6 7 8\n");
+  write("materials.csv", "surface,emissivity,temperature,heat_flux\ndefault,0.8,300,\nenvironment,,200,\n");
+  const std::string parts = file("low.obj") + " " + file("high.obj"), both = file("both.obj");
+  const std::string options = " --quiet --directions 64 --checkpoint ";
+  ASSERT_EQ(run("compute " + both + options + file("both.h5") + " -o " + file("both.csv")).status, 0);
+  ASSERT_EQ(run(parts + options + file("parts.h5") + " -o " + file("parts.csv")).status, 0);
+  EXPECT_EQ(readFile(file("parts.csv")), readFile(file("both.csv")));
+  // Checkpoints of the one go on with the other, and know another order.
+  EXPECT_EQ(run("compute " + both + options + file("parts.h5") + " --resume --replicates 9").status, 0);
+  const std::string of_parts = " --scene " + file("low.obj") + " --scene " + file("high.obj"),
+                    turned = " --scene " + file("high.obj") + " --scene " + file("low.obj");
+  EXPECT_EQ(run("merge --quiet " + file("both.h5") + of_parts + " -o " + file("merged.vtp")).status, 0);
+  const Result refused = run("merge --quiet " + file("both.h5") + turned + " -o " + file("merged.vtp"));
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_NE(refused.output.find("high.obj, low.obj: another scene than that of"), std::string::npos) << refused.output;
+  EXPECT_EQ(run("plan " + parts).status, 0);
+  EXPECT_EQ(run("check " + parts + " --directions 4").status, 0);
+  const std::string heat = " --materials " + file("materials.csv") + " --quiet -o ";
+  ASSERT_EQ(run("solve " + parts + heat + file("parts_heat.csv")).status, 0);
+  ASSERT_EQ(run("solve " + both + heat + file("both_heat.csv")).status, 0);
+  EXPECT_EQ(readFile(file("parts_heat.csv")), readFile(file("both_heat.csv")));
+}
 
 TEST_F(DailyUse, DroppedFormFactorsAreAddedUpInEachRow) {
   const std::string run_of = "compute " + kOffice + "--by surface --directions 40 --replicates 4 --quiet ";

@@ -27,7 +27,7 @@ class ReadGroups : public TestFolder {
 
 TEST_F(ReadGroups, NamesFacesOfBinaryStl) {
   const auto scene =
-      loadGroupedScene(writeStl(6),
+      loadGroupedScene({writeStl(6)},
                        write("g.csv",
                              "\xEF\xBB\xBF"
                              "face,name\n1-2,roof\r\n# the rest\n\n 4 , \"wall, \"\"north\"\"\"\n6,roof\n"),
@@ -43,7 +43,7 @@ TEST_F(ReadGroups, APlyFileToo) {
             "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
             "element face 2\nproperty list uchar int vertex_indices\nend_header\n"
             "0 0 0\n1 0 0\n1 1 0\n0 1 0\n3 0 1 2\n3 0 2 3\n");
-  const Scene scene = loadGroupedScene(ply, write("g.csv", "2,b\n1,a\n"), {});
+  const Scene scene = loadGroupedScene({ply}, write("g.csv", "2,b\n1,a\n"), {});
   ASSERT_EQ(scene.surfaces.size(), 2u);  // no face of the surface with the file's name is left
   EXPECT_EQ(scene.surfaces[scene.faces[0].surface].name, "a");
   EXPECT_EQ(scene.surfaces[scene.faces[1].surface].name, "b");
@@ -65,16 +65,16 @@ TEST_F(ReadGroups, FaultsNameFileAndLine) {
            {"18446744073709551617,a\n",
             ":1: '18446744073709551617' is not the number of a face; write 12, or 12-40"}}) {
     write("g.csv", text);
-    EXPECT_EQ(refusalOf([&] { loadGroupedScene(stl, groups, {}); }), groups.string() + message);
+    EXPECT_EQ(refusalOf([&] { loadGroupedScene({stl}, groups, {}); }), groups.string() + message);
   }
-  EXPECT_EQ(refusalOf([&] { loadGroupedScene(stl, folder_ / "none.csv", {}); }),
+  EXPECT_EQ(refusalOf([&] { loadGroupedScene({stl}, folder_ / "none.csv", {}); }),
             (folder_ / "none.csv").string() + ": cannot be read: No such file or directory");
 }
 
 TEST_F(ReadGroups, OfAFormatWithNamesIsRefused) {
   const auto obj = write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
   try {
-    loadGroupedScene(obj, write("g.csv", "1,a\n"), {});
+    loadGroupedScene({obj}, write("g.csv", "1,a\n"), {});
     FAIL() << "was taken";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::bad_usage);
