@@ -128,6 +128,9 @@ void printResult(const ComputeOptions& options, const Result& result, const Outp
   if (options.verbose && !result.division.empty() && result.division != first_division)
     fmt::print("after a trial\n{}", result.division);
   fmt::print("{}{}", describeResult(result), result.balanced ? describeBalance(*result.balanced) : "");
+  if (std::holds_alternative<RootMeanSquare>(options.request.goal))
+    fmt::print("all errors root mean square {:.1e}, over all form factors between rows, zeros included\n",
+               measureStandardErrors(result.form_factors, 0).rms_with_zeros);
   if (content.parts) fmt::print("{}", describeParts(*content.parts));
   if (content.dropped) fmt::print("{}", describeDropped(result.form_factors.ids(), *content.dropped));
   const auto* guarantee = std::get_if<EpsilonDelta>(&options.request.goal);

@@ -89,8 +89,10 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
   if (!(plan.pilot_seconds > 0)) return "";
   const uint32_t replicates = request.amount.replicates;
   std::string text = fmt::format(
-      "expected   largest standard error {:.1e}{} after {} replicates, counted in {} (planned in {}); the same "
+      "expected   {} {:.1e}{} after {} replicates, counted in {} (planned in {}); the same "
       "again: {}\n",
+      std::holds_alternative<RootMeanSquare>(request.goal) ? "root mean square of all standard errors"
+                                                           : "largest standard error",
       plan.standard_error, std::holds_alternative<Relative>(request.goal) ? " of its form factor" : "", replicates,
       inWords(plan.seconds), inWords(plan.pilot_seconds), optionsOf(plan));
   if (const auto& goal = plan.goal_beyond_request)
@@ -150,6 +152,7 @@ std::string describePlan(const FormFactorRun& run) {
   if (plan.guarantee) return describeGuarantee(request, plan);
   if (plan.line_guarantee) return describeLineGuarantee(request, plan);
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
+  const auto* rms = std::get_if<RootMeanSquare>(&request.goal);
   const auto* seconds = std::get_if<Seconds>(&request.goal);
   const std::string goal =
       plan.no_promise.empty()
@@ -159,6 +162,7 @@ std::string describePlan(const FormFactorRun& run) {
                             ? fmt::format(", {} {}",
                                           plan.aims_at_largest_error ? "largest error about" : "standard errors up to",
                                           tolerance->standard_error)
+                        : rms     ? fmt::format(", {} for the root mean square of all errors", rms->standard_error)
                         : seconds ? fmt::format(", as good as {} allow", inWords(seconds->seconds))
                                   : "",
                         plan.no_promise);

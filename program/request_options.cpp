@@ -45,6 +45,10 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->check(isPositive)
       ->check([](const std::string& text) { return isNumber(text, 0, 1); })
       ->capture_default_str();
+  addGoal("--rms", options->rms,
+          "For sums of many form factors: the root mean square of the standard errors of all pairs is at most this, "
+          "whatever the largest error",
+          "R");
   addGoal("--seconds", options->seconds,
           "For limited time: errors as small as this time allows; with a goal: stop short of it when time is up. A run "
           "has 2 replicates at least",
@@ -226,6 +230,9 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
   for (const char* name : {"--delta", "--rows", "--statistic", "--range", "--block"})
     if (!options.epsilon && command->get_option(name)->count())
       throw Error(ErrorCode::bad_usage, fmt::format("{} belongs to a guarantee; give --epsilon, too", name));
+  if (options.rms && (options.tolerance || options.relative || options.epsilon))
+    throw Error(ErrorCode::bad_usage,
+                "--rms is a goal of its own: leave out --tolerance, --relative and --epsilon, or leave it out");
   if (options.epsilon && (options.tolerance || options.relative || command->get_option("--replicates")->count()))
     throw Error(
         ErrorCode::bad_usage,
@@ -242,6 +249,8 @@ Request requestOf(const CLI::App* command, const RequestOptions& options) {
     request.goal = Tolerance{*options.tolerance, options.relative};
   } else if (options.relative) {
     request.goal = Relative{*options.relative};
+  } else if (options.rms) {
+    request.goal = RootMeanSquare{*options.rms};
   } else if (options.seconds) {
     request.goal = Seconds{*options.seconds};
   } else if (amount.directions || request.engine == EngineKind::exact) {

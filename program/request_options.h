@@ -17,7 +17,7 @@ struct RequestOptions {
   std::string groups;
   // Options that depend on no other option are set in `request`; the members below determine the rest of it.
   Request request;
-  std::optional<double> tolerance, relative, seconds, epsilon;
+  std::optional<double> tolerance, relative, rms, seconds, epsilon;
   EpsilonDelta guarantee;
   std::string part;  // K/N; empty for the whole run
 };

@@ -172,6 +172,7 @@ void addEstimate(Json& report, const Estimate& estimate) {
   report["largest_standard_error"] = estimate.largest_standard_error;
   report["rms_standard_error"] = errors.rms;
   report["nonzero_form_factors"] = errors.count;
+  report["rms_with_zeros"] = errors.rms_with_zeros;
   if (estimate.unmet_pairs)
     report["unmet"] = {{"pairs", estimate.unmet_pairs}, {"largest_standard_error", estimate.largest_unmet_error}};
   if (estimate.unseen_pairs)

@@ -113,6 +113,11 @@ class Viewpeel {
     return throughTheFrontDoor([](double amount) { return Goal(Tolerance{amount}); }, pair_lines);
   }
 
+  // Returns a runner in the same way. Amounts are root mean squares of all errors.
+  Runner plannedForRms() const {
+    return throughTheFrontDoor([](double amount) { return Goal(RootMeanSquare{amount}); }, {});
+  }
+
   // Returns a runner in the same way, without a plan. Amounts are directions of a replicate.
   Runner fixed() const {
     return throughTheFrontDoor([](double amount) { return Goal(FixedAmount{static_cast<uint32_t>(amount)}); }, {});
@@ -236,6 +241,9 @@ std::vector<Ladder> makeLadders(const Device& device, const Scene& scene, const 
   ladders.push_back({"planned", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned({}); }});
   ladders.push_back(
       {"planned_directions", "", "tolerance", true, tolerances, [viewpeel] { return viewpeel->planned(false); }});
+  std::vector<Ladder::Rung> means;
+  for (const double rms : {1e-3, 3e-4, 1e-4, 3e-5, 1e-5, 3e-6, 1e-6}) means.push_back({rms, 1 / rms});
+  ladders.push_back({"planned_rms", "", "rms", true, means, [viewpeel] { return viewpeel->plannedForRms(); }});
   ladders.push_back(
       {"fixed", "", "directions", true, climbBy(32, 4, 1u << 22), [viewpeel] { return viewpeel->fixed(); }});
   const std::vector<int> all = options.full ? std::vector<int>{64, 128, 256, 512} : std::vector<int>{64, 256}, one{128};

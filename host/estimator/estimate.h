@@ -37,6 +37,9 @@ struct EstimateOptions {
   // `relative_floor`.
   std::optional<double> relative;
   double relative_floor = 0.01;
+  // A goal without the others: the root mean square of the standard errors of all form factors between rows, zeros
+  // included.
+  std::optional<double> rms;
   // The run starts no replicate that would end after this time, even if fewer than `replicates` are done. A run has two
   // replicates at least, and a resumed run counts one more at least.
   std::optional<double> seconds;
@@ -67,6 +70,8 @@ struct EstimateOptions {
   // `last`. May be empty.
   std::function<void(const RunSums& sums, bool last)> on_sums;
 
+  // Returns whether an error ends the run.
+  bool hasErrorGoal() const { return tolerance || relative || rms; }
   // Returns the error that the goals allow a form factor; infinite where they say nothing of it.
   double allowedError(double form_factor) const;
   // Returns the least error that the goals allow any form factor; infinite without a goal.

@@ -1,5 +1,6 @@
 #include "estimator/estimate_run.h"
 
+#include <cmath>
 #include <utility>
 
 #include <viewpeel/error.h>
@@ -12,7 +13,7 @@ namespace {
 void requireSoundOptions(const EstimateOptions& options) {
   if (options.directions < 1) throw Error(ErrorCode::bad_usage, "0 directions per replicate; ask for at least 1");
   if (options.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
-  for (const std::optional<double>& goal : {options.tolerance, options.relative, options.seconds})
+  for (const std::optional<double>& goal : {options.tolerance, options.relative, options.rms, options.seconds})
     if (goal && !(*goal > 0))
       throw Error(ErrorCode::bad_usage, "a tolerance, relative error or time to reach must be above 0");
 }
@@ -53,19 +54,29 @@ void EstimateRun::resume() {
 
 bool EstimateRun::isReached() const {
   return (!options_.tolerance || largest_error_ <= *options_.tolerance) &&
-         (!options_.relative || largest_relative_error_ <= *options_.relative);
+         (!options_.relative || largest_relative_error_ <= *options_.relative) &&
+         (!options_.rms || rms_error_ <= *options_.rms);
 }
 
 bool EstimateRun::measure(const FormFactors& so_far) {
   largest_error_ = viewpeel::largestStandardError(so_far);
   largest_relative_error_ = largestRelativeError(so_far, options_.relative_floor);
+  rms_error_ = rmsStandardError(so_far);
   return isReached();
 }
 
 void EstimateRun::measureErrors() {
   found_.reset();
-  if (!(options_.tolerance || options_.relative) || sums_.replicateCount() < options_.replicates)
+  const uint64_t done = sums_.replicateCount();
+  if (!options_.hasErrorGoal() || done < options_.replicates || done < next_measured_)
     return;  // without a goal the largest error is not needed
+  measureNow();
+  // A mean of many variances falls as the number of replicates, so that there is no need to look before.
+  if (options_.rms && !isReached() && std::isfinite(rms_error_))
+    next_measured_ = static_cast<uint64_t>(std::ceil(double(done) * std::pow(rms_error_ / *options_.rms, 2)));
+}
+
+void EstimateRun::measureNow() {
   if (sums_.prior_sums) {
     // Whole rows take seconds. So the pairs of the prior are measured first: most often one of them has the largest
     // error, and shows that more replicates are needed.
@@ -74,6 +85,7 @@ void EstimateRun::measureErrors() {
     if (measure(all)) found_ = std::move(all);
     return;
   }
+  if (options_.rms) rms_error_ = rmsStandardError(sums_.formFactors());
   if (options_.relative)
     largest_relative_error_ =
         sums_.by_id.largestRelativeError(sums_.measure_area, options_.relative_floor, sums_.countArea());
@@ -87,7 +99,7 @@ bool EstimateRun::isDone() const {
       secondsSince(start_) * (done_here + 1) / done_here > *options_.seconds)
     return true;
   if (options_.is_exact) return done >= options_.replicates;
-  return done >= options_.replicates && isReached() && !(options_.seconds && !options_.tolerance && !options_.relative);
+  return done >= options_.replicates && isReached() && !(options_.seconds && !options_.hasErrorGoal());
 }
 
 DrawnDirections EstimateRun::directionsOf(uint64_t replicate) const {

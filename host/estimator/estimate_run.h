@@ -35,6 +35,7 @@ class EstimateRun {
   bool measure(const FormFactors& so_far);
   void resume();
   void measureErrors();
+  void measureNow();
   DrawnDirections directionsOf(uint64_t replicate) const;
 
   Engine& engine_;
@@ -43,9 +44,10 @@ class EstimateRun {
   RunSums sums_;
   std::vector<DirectedPair> directed_;
   ExchangeRow row_;  // unoccluded form factors of pairs outside the prior
-  double largest_error_ = INFINITY, largest_relative_error_ = INFINITY;
+  double largest_error_ = INFINITY, largest_relative_error_ = INFINITY, rms_error_ = INFINITY;
   std::optional<FormFactors> found_;  // once the goal is reached
   uint64_t resumed_count_ = 0;
+  uint64_t next_measured_ = 0;  // replicates before which errors are not measured again
   Clock::time_point start_ = Clock::now();
 };
 

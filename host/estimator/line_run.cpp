@@ -149,6 +149,8 @@ void LineRun::measureErrors() {
   std::optional<FormFactors> all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(*all);
   if (hasCountedPairs()) planFurther(excessOfPairs(findWantingBetweenSurfaces(*all), {}), 1);
+  else if (options_.rms)
+    planFurtherInTime(std::vector(sums_.lines->pairs().size(), viewpeel::rmsStandardError(*all) / *options_.rms));
   else planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all)));
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();
@@ -264,7 +266,7 @@ void LineRun::planFurther(const std::vector<double>& excess, double relief) {
   is_reached_ = std::ranges::none_of(excess, [](double of_pair) { return of_pair > 1; });
   bool is_wanting = false;
   for (size_t k = 0; k < further_.size(); ++k) {
-    if (!(excess[k] > relief)) continue;
+    if (!(excess[k] > relief) || pairs[k].blocks == 0) continue;
     // The number of lines is proportional to the error to the power of -8/5. kMostGrowth limits it, because an error
     // from few lines is rough.
     const double lines = std::min(kSpare * std::pow(excess[k] / relief, 8.0 / 5), kMostGrowth) - 1,

@@ -129,8 +129,7 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
     // The run's standard error comes from visibilities times unoccluded form factors. Both variances are scaled so that
     // they add up to it.
     const double count_area = ids_.requested.empty() ? measure_area * directions / 2 : INFINITY,
-                 stated =
-                     std::pow(largestErrorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
+                 stated = std::pow(errorOfVisibilities(counted, measure_area / 2, count_area), 2) * kPilotReplicates;
     // A replicate of the pilot is a mean over two lattices, which halves the lattice variance.
     const double found = pilot.variances.of_directions + pilot.variances.of_lattices / 2;
     if (found > 0)
@@ -142,11 +141,11 @@ void Planner::measure(uint32_t directions, const Shape& shape) {
   timings_.push_back({pilot.load, seconds / (2 * kPilotReplicates * directions)});
 }
 
-// Returns the largest standard error that the run would state after the counts of the pilot. As in the run, the error
-// of a pair of few lines rests on its own lines and its neighbours'. The pilot has no unoccluded form factors, and
-// takes the pair's counts, facing and blocked, in their place.
-double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
-                                           double count_area) const {
+// Returns the largest standard error, or the root mean square of all, that the run would state after the counts of the
+// pilot. As in the run, the error of a pair of few lines rests on its own lines and its neighbours'. The pilot has no
+// unoccluded form factors, and takes the pair's counts, facing and blocked, in their place.
+double Planner::errorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
+                                    double count_area) const {
   VisibilitySums sums(ids_);
   PairCounts all;
   for (const PilotCounts& replicate : counted) all = addCounts(addCounts(all, replicate.first), replicate.second);
@@ -161,7 +160,7 @@ double Planner::largestErrorOfVisibilities(const std::vector<PilotCounts>& count
                            : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourVisibility neighbours(sums, lines, ranks_);
-  return largestStandardError(
+  return (options_.rms ? rmsStandardError : largestStandardError)(
       {ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
 }
 
@@ -174,7 +173,7 @@ double Planner::directionVariance(double directions) const {
   const Pilot& last = pilots_.back();
   const double more = directions / last.directions;
   const bool is_iid = options_.sampler == Sampler::iid && !options_.drawn_directions;
-  return last.variances.of_directions * (is_iid ? 1 / more : varianceLeft(last.variances.largest_by_meetings, more));
+  return last.variances.of_directions * (is_iid ? 1 / more : varianceLeft(last.variances, more));
 }
 
 }  // namespace viewpeel

@@ -78,6 +78,27 @@ Spread spreadOf(const Moments& m, double n) {
   return {total, total - common};
 }
 
+// Returns means over all form factors between rows, from the moments of the halves' n replicates each.
+PilotVariances meansOf(const std::vector<Moments>& moments, const Ids& ids, double measure_area, size_t n) {
+  PilotVariances variances{.are_means = true, .by_meetings = std::vector<double>(2 * n + 1)};
+  double total = 0, between_lattices = 0, doubts = 0;
+  for (const Moments& m : moments) {
+    if (m.j >= kEnvironment) continue;
+    const double unit = (m.i == m.j ? 4 : 2) * measure_area / double(ids.count()),
+                 squares = std::pow(unit / ids.areas[m.i], 2) + (m.i == m.j ? 0 : std::pow(unit / ids.areas[m.j], 2));
+    const Spread spread = spreadOf(m, double(n));
+    total += spread.total * squares;
+    between_lattices += spread.between_lattices * squares;
+    doubts += std::pow(spread.total * squares, 2);
+    variances.by_meetings[m.meetings] += spread.total * squares;
+  }
+  variances.of_directions = std::max(total - between_lattices, 0.0);
+  variances.of_lattices = between_lattices;
+  // As in pilotVariances(), but covariances of different pairs add up.
+  variances.doubt = std::sqrt(2 * doubts / (2 * double(n - 1)));
+  return variances;
+}
+
 }  // namespace
 
 PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids& ids,
@@ -94,8 +115,9 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
                    residualsOf(replicate.second, visibilities, id_of_face));
   }
 
+  if (options.rms) return meansOf(moments, ids, measure_area, n);
   PilotVariances variances;
-  variances.largest_by_meetings.assign(counted.size() + 1, 0);
+  variances.by_meetings.assign(counted.size() + 1, 0);
   std::vector<Spread> spreads;  // of max(F_ij, F_ji)
   for (const Moments& m : moments) {
     double unit = (m.i == m.j ? 4 : 2) * measure_area / ids.smallerArea(m.i, m.j);
@@ -106,7 +128,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
     }
     const Spread spread = spreadOf(m, double(n));
     spreads.push_back({spread.total * unit * unit, spread.between_lattices * unit * unit});
-    double& largest = variances.largest_by_meetings[m.meetings];
+    double& largest = variances.by_meetings[m.meetings];
     largest = std::max(largest, spreads.back().total);
   }
   if (spreads.empty()) return variances;
@@ -131,15 +153,18 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
 
 double varianceLeft(double meetings, double more) { return (1 + meetings) / (more * (1 + meetings * more)); }
 
-double varianceLeft(const std::vector<double>& largest_by_meetings, double more) {
-  const double replicates = double(largest_by_meetings.size()) - 1;
+double varianceLeft(const PilotVariances& variances, double more) {
+  const double replicates = double(variances.by_meetings.size()) - 1;
   double before = 0, after = 0;
-  for (size_t k = 0; k < largest_by_meetings.size(); ++k) {
+  const auto add = [&](double& sum, double variance) {
+    sum = variances.are_means ? sum + variance : std::max(sum, variance);
+  };
+  for (size_t k = 0; k < variances.by_meetings.size(); ++k) {
     // A replicate meets the pair with probability 1 - e^-m, where m directions of it do so in the mean. Where every
     // replicate met the pair, m is the value that half a miss would give.
     const double meetings = -std::log1p(-std::min(double(k), replicates - 0.5) / replicates);
-    before = std::max(before, largest_by_meetings[k]);
-    after = std::max(after, largest_by_meetings[k] * varianceLeft(meetings, more));
+    add(before, variances.by_meetings[k]);
+    add(after, variances.by_meetings[k] * varianceLeft(meetings, more));
   }
   return before > 0 ? after / before : 1;
 }

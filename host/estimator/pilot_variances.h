@@ -19,11 +19,14 @@ struct PilotCounts {
 };
 
 // PilotVariances holds the two variances of one replicate. Each is the largest over all form factors. The two may come
-// from different form factors. They are relative to the form factor where the goal is relative.
+// from different form factors. They are relative to the form factor where the goal is relative. Where the goal is a
+// root mean square, they are means over all n^2 form factors between rows.
 struct PilotVariances {
   double of_directions = 0, of_lattices = 0;
-  // largest_by_meetings[m] is the largest variance, of both parts, over the pairs that m of the pilot's replicates met.
-  std::vector<double> largest_by_meetings;
+  bool are_means = false;
+  // by_meetings[m] is the largest variance, or the sum of variances, of both parts, over the pairs that m of the
+  // pilot's replicates met.
+  std::vector<double> by_meetings;
   // This is the standard error of of_directions. It is large where the lattice varies much more than the directions,
   // because few replicates measure a small covariance badly.
   double doubt = 0;
@@ -42,7 +45,7 @@ PilotVariances pilotVariances(const std::vector<PilotCounts>& counted, const Ids
 //   In: meetings: directions of a replicate that meet the pair, in the mean
 double varianceLeft(double meetings, double more);
 
-// Returns the same for the largest variance over all form factors.    In: largest_by_meetings: as in PilotVariances
-double varianceLeft(const std::vector<double>& largest_by_meetings, double more);
+// Returns the same for the largest variance over all form factors, or for the mean of all.
+double varianceLeft(const PilotVariances& variances, double more);
 
 }  // namespace viewpeel

@@ -31,7 +31,7 @@ bool Planner::isDoubtful(const Choice& choice) const {
 // Returns the choice that reaches the goal in the least time. If only a time is given, or the goal takes longer than
 // that time, it returns the choice with the least error in the time.
 Planner::Choice Planner::choose() const {
-  const Choice choice = choose(options_.seconds && !options_.tolerance && !options_.relative);
+  const Choice choice = choose(options_.seconds && !options_.hasErrorGoal());
   return options_.seconds && choice.seconds > secondsLeft() ? choose(true) : choice;
 }
 
@@ -40,6 +40,7 @@ Planner::Choice Planner::choose(bool by_time) const {
   double goal = kDefaultTolerance;
   if (options_.tolerance) goal = *options_.tolerance;
   else if (options_.relative) goal = *options_.relative;
+  else if (options_.rms) goal = *options_.rms;
   double least_area = 1;
   for (const SizeClass& size : classes_) least_area = std::min(least_area, size.least_area);
 

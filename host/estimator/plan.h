@@ -48,8 +48,8 @@ struct Lattices {
 std::unique_ptr<Engine> makeEngine(const Lattices& lattices, const Scene& scene, const Ids& ids,
                                    const std::vector<SizeGroup>& groups);
 
-// Plans the replicates of estimateFormFactors for its goal: a tolerance, a relative error, or a time. Without a goal
-// the tolerance is 1e-3.
+// Plans the replicates of estimateFormFactors for its goal: a tolerance, a relative error, a root mean square, or a
+// time. Without a goal the tolerance is 1e-3.
 //   The variance of one replicate is eq. (23) of docs/method.md. Pilot replicates measure both parts for the entries
 //     with the largest variance, as written there. Every direction is counted on two lattices: the covariance of the
 //     two sums over replicates is V_directions, and the rest is V_lattice / N.

@@ -27,6 +27,19 @@ double allowedBy(const EstimateOptions& options, double exchange, double smaller
 // parts the sum needs the fewest lines: docs/method.md, eq. (48).
 double partOf(const LinePair& pair) { return std::pow(pair.exchange - pair.clear, 8.0 / 9); }
 
+// Returns the squares of the errors of F_ij and F_ji together, over the square of the error of A_i F_ij. A line that
+// ends on a back has no second row.
+double squaresOf(const LinePair& pair, const Ids& ids) {
+  const auto squareOf = [&](uint32_t id) { return id < ids.count() ? std::pow(ids.areas[id], -2) : 0; };
+  return squareOf(pair.i) + squareOf(pair.j);
+}
+
+// Returns a number in proportion to the part that a pair should have of the sum of all squares of errors: eq. (48) once
+// more, in which errors of form factors replace errors of exchange areas.
+double partOfSquares(const LinePair& pair, const Ids& ids) {
+  return std::pow(std::sqrt(squaresOf(pair, ids)) * (pair.exchange - pair.clear), 8.0 / 9);
+}
+
 // AllowedErrors are standard errors of pairs that are small enough for all entries of the result to reach the goal.
 class AllowedErrors {
  public:
@@ -40,6 +53,7 @@ class AllowedErrors {
     for (const LinePair& pair : pairs) {
       const Key key = entryOf(pair, face_ids, options.by);
       const double part = partOf(pair);
+      if (options.rms) all_parts_ += partOfSquares(pair, face_ids);
       for (const uint32_t id : {key.first, key.second})
         if (hasGoal(id)) row_parts_[id] += part;
       if (key == Key(pair.i, pair.j)) continue;
@@ -58,6 +72,10 @@ class AllowedErrors {
     double allowed = sum == sums_.end() ? allowedBy(options_, pair.exchange, area) / errors
                                         : allowedBy(options_, sum->second.exchange, area) / errors *
                                               std::sqrt(part / sum->second.parts);
+    if (options_.rms)
+      allowed =
+          std::min(allowed, *options_.rms * double(ids_.count()) *
+                                std::sqrt(partOfSquares(pair, face_ids_) / all_parts_ / squaresOf(pair, face_ids_)));
     // A pair within one row exchanges both ways, and has been added to the row twice.
     const double ways = key.first == key.second ? 2 : 1;
     for (const uint32_t id : {key.first, key.second})
@@ -83,6 +101,7 @@ class AllowedErrors {
   ErrorsInGoal errors_in_goal_;
   std::map<Key, Sum> sums_;
   std::vector<double> row_parts_;  // by row, sums of partOf()
+  double all_parts_ = 0;           // sum of partOfSquares(), for the goal of a root mean square
 };
 
 }  // namespace

@@ -1,4 +1,5 @@
-// planLines() gives the pairs of a run enough lines for its goal: a tolerance, a relative error, or both.
+// planLines() gives the pairs of a run enough lines for its goal: a tolerance, a relative error, or both; or the root
+// mean square of all errors.
 #pragma once
 #include <vector>
 

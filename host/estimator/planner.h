@@ -99,8 +99,7 @@ class Planner {
   double timeDirections(uint32_t count);
   void measure(uint32_t directions, const Shape& shape);
   bool takesLonger(const Choice& choice);
-  double largestErrorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area,
-                                    double count_area) const;
+  double errorOfVisibilities(const std::vector<PilotCounts>& counted, double measure_area, double count_area) const;
   Choice choose() const;
   Choice choose(bool by_time) const;
   // Returns the most seconds that one pilot may take.

@@ -28,12 +28,13 @@ Closure measureClosure(const FormFactors& form_factors) {
 StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t worst) {
   StandardErrors errors;
   std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst` entries
-  double squares = 0;
+  double squares = 0, between_rows = 0;
   const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
     if (!form_factors.ids().isRequested(from)) return;
     const double error = exchange.standard_error / form_factors.ids().areas[from];
     ++errors.count;
     squares += error * error;
+    if (to < kEnvironment) between_rows += error * error;
     if (worst == 0 || (largest.size() == worst && error <= largest.back().first)) return;
     const auto at =
         std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
@@ -46,6 +47,9 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
   }
   for (const auto& [error, pair] : largest) errors.worst.push_back(pair);
   errors.rms = errors.count ? std::sqrt(squares / double(errors.count)) : 0;
+  size_t rows = 0;
+  for (uint32_t id = 0; id < form_factors.ids().count(); ++id) rows += form_factors.ids().isRequested(id);
+  if (rows > 0) errors.rms_with_zeros = std::sqrt(between_rows / (double(rows) * double(form_factors.ids().count())));
   return errors;
 }
 

@@ -30,6 +30,7 @@ void requireNumbers(const Request& request) {
   }
   if (const auto* relative = std::get_if<Relative>(&request.goal))
     requirePositive("--relative", relative->standard_error);
+  if (const auto* rms = std::get_if<RootMeanSquare>(&request.goal)) requirePositive("--rms", rms->standard_error);
   if (const auto* seconds = std::get_if<Seconds>(&request.goal)) requirePositive("--seconds", seconds->seconds);
   if (request.time_limit_s) requirePositive("--seconds", *request.time_limit_s);
   requirePositive("--floor", request.relative_floor);

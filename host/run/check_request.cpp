@@ -28,6 +28,7 @@ bool mayUsePairLines(const Request& request) {
   const bool is_timed = std::holds_alternative<Seconds>(request.goal) && !amount.is_exact && !request.first_replicate;
   const bool has_goal =
       is_timed || std::holds_alternative<Tolerance>(request.goal) || std::holds_alternative<Relative>(request.goal) ||
+      std::holds_alternative<RootMeanSquare>(request.goal) ||
       (guarantee && guarantee->statistic == Statistic::mean && !(guarantee->range > 0) && !guarantee->block_directions);
   return request.engine != EngineKind::exact && has_goal && !amount.directions;
 }
@@ -49,6 +50,7 @@ std::string optionAgainstPromise(const Request& request) {
   const auto* tolerance = std::get_if<Tolerance>(&request.goal);
   if (std::holds_alternative<Seconds>(request.goal) || request.time_limit_s) return "--seconds";
   if (std::holds_alternative<Relative>(request.goal) || (tolerance && tolerance->relative)) return "--relative";
+  if (std::holds_alternative<RootMeanSquare>(request.goal)) return "--rms";
   const Amount amount = amountOf(request), usual;
   if (amount.is_exact || request.first_replicate) return "--first-replicate or --part";
   if (amount.directions) return "--directions";
@@ -81,11 +83,15 @@ void checkRequest(const Request& request) {
   if (request.pair_lines.value_or(false)) {
     if (!mayUsePairLines(request))
       refuse(
-          "--pair-lines on needs a goal by --tolerance, --relative, --seconds or --epsilon, and any engine but exact; "
+          "--pair-lines on needs a goal by --tolerance, --relative, --rms, --seconds or --epsilon, and any engine but "
+          "exact; "
           "leave out --directions, --statistic median, --range and --block, and give parts a tolerance");
     if (request.unoccluded.has_value())
       refuse("--pair-lines on always takes unoccluded form factors; leave out --unoccluded");
   }
+  if (std::holds_alternative<RootMeanSquare>(request.goal) &&
+      (request.by == By::surface || !request.question.isEverything()))
+    refuse("--rms is over all polygons; leave out --by surface, --from, --pair and --blocker, or give a --tolerance");
   if (request.balance && !request.question.isEverything()) refuse(kBalanceNeedsEveryRow);
   if (request.promise) {
     if (std::holds_alternative<EpsilonDelta>(request.goal))

@@ -370,7 +370,7 @@ void FormFactorRun::State::summariseRun() {
   if (line_guarantee) summary.line_guarantee = line_guarantee->figures();
   if (setup.guarantee()) return;
   summary.no_promise = no_promise;
-  if (setup.estimate().tolerance || setup.estimate().relative) summary.no_pair_lines = no_pair_lines;
+  if (setup.estimate().hasErrorGoal()) summary.no_pair_lines = no_pair_lines;
 }
 
 }  // namespace viewpeel

@@ -42,6 +42,8 @@ EstimateOptions estimateOptionsOf(const Request& request) {
     estimate.relative = tolerance->relative;
   } else if (const auto* relative = std::get_if<Relative>(&request.goal)) {
     estimate.relative = relative->standard_error;
+  } else if (const auto* rms = std::get_if<RootMeanSquare>(&request.goal)) {
+    estimate.rms = rms->standard_error;
   } else if (const auto* seconds = std::get_if<Seconds>(&request.goal)) {
     estimate.seconds = std::min(seconds->seconds, request.time_limit_s.value_or(seconds->seconds));
   }
@@ -160,7 +162,7 @@ std::string Setup::reasonAgainstPairLines() const {
   if (const std::string option = optionAgainstPairLines(request_); !option.empty())
     return fmt::format("{} asks for common directions", option);
   if (!mayUsePairLines(request_)) return "the goal does not say how large an error may be";
-  if (!isLarge() || leastFormFactor() > 0 || plansWhichPairs()) return "";
+  if (!isLarge() || leastFormFactor() > 0 || plansWhichPairs() || estimate_.rms) return "";
   return "the scene has too many polygons";
 }
 

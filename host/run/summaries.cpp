@@ -24,6 +24,7 @@ std::vector<LatticeSummary> summariseGroups(const std::vector<SizeGroup>& groups
 // Returns the goal as a standard error, or as a relative one for a relative goal; infinite where there is none.
 double goalOf(const Request& request) {
   if (const auto* tolerance = std::get_if<Tolerance>(&request.goal)) return tolerance->standard_error;
+  if (const auto* rms = std::get_if<RootMeanSquare>(&request.goal)) return rms->standard_error;
   const auto* relative = std::get_if<Relative>(&request.goal);
   return relative ? relative->standard_error : INFINITY;
 }

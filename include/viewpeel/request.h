@@ -32,6 +32,13 @@ struct Relative {
   double standard_error = 0.01;  // above 0
 };
 
+// A run with a RootMeanSquare goal ends once the root mean square of the standard errors of all n^2 form factors
+// between n polygons is at most this. Form factors that are 0 count, too. The goal is for sums of many form factors,
+// where the largest single error matters less. It needs By::polygon and the whole matrix.
+struct RootMeanSquare {
+  double standard_error = 1e-5;  // above 0
+};
+
 // A run with Seconds has the lines, rays or directions that fit into this time, and two replicates at least.
 struct Seconds {
   double seconds = 60;  // above 0
@@ -70,7 +77,7 @@ struct FixedAmount {
 };
 
 // A run has exactly one goal, which ends it.
-using Goal = std::variant<Tolerance, Relative, Seconds, EpsilonDelta, FixedAmount>;
+using Goal = std::variant<Tolerance, Relative, RootMeanSquare, Seconds, EpsilonDelta, FixedAmount>;
 
 // An Amount fixes some numbers, and a plan chooses the others. It is for goals other than FixedAmount.
 struct Amount {
@@ -101,8 +108,8 @@ struct Request {
   // by the predicted time.
   std::optional<bool> unoccluded;
   // Lines are drawn between the two polygons of each pair that something may block, as many as the pair's error needs.
-  // They replace common directions. The goal must be a Tolerance, Relative, Seconds or EpsilonDelta. Unset: the run
-  // decides, by the predicted time.
+  // They replace common directions. The goal must be a Tolerance, Relative, RootMeanSquare, Seconds or EpsilonDelta.
+  // Unset: the run decides, by the predicted time.
   std::optional<bool> pair_lines;
   // A Tolerance T is promised: it becomes the guarantee EpsilonDelta{T, 0.01} with rows, so every form factor is within
   // T with probability 0.99, and has an interval. Unset: where the run costs at most twice an estimate, or half

@@ -175,6 +175,7 @@ Closure measureClosure(const FormFactors& form_factors);
 struct StandardErrors {
   size_t count = 0;  // number of form factors
   double rms = 0;
+  double rms_with_zeros = 0;  // over all form factors between rows, the zero ones included, as RootMeanSquare has it
   std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
 };
 

@@ -63,10 +63,13 @@ class Arguments {
 // Sets the goal as the program does: by the first of these arguments that is present.
 void setGoal(const Arguments& arguments, Request& request) {
   const auto tolerance = arguments.find<double>("tolerance"), relative = arguments.find<double>("relative"),
-             seconds = arguments.find<double>("seconds"), epsilon = arguments.find<double>("epsilon");
+             rms = arguments.find<double>("rms"), seconds = arguments.find<double>("seconds"),
+             epsilon = arguments.find<double>("epsilon");
   request.time_limit_s = seconds;
   if (epsilon && (tolerance || relative))
     throw Error(ErrorCode::bad_usage, "a guarantee plans for itself: leave out tolerance and relative beside epsilon");
+  if (rms && (tolerance || relative || epsilon))
+    throw Error(ErrorCode::bad_usage, "rms is a goal of its own: leave out tolerance, relative and epsilon beside it");
   if (!epsilon && (arguments.find<double>("delta") || arguments.find<bool>("rows")))
     throw Error(ErrorCode::bad_usage, "delta and rows are of a guarantee; give its epsilon");
   if (epsilon) {
@@ -78,6 +81,8 @@ void setGoal(const Arguments& arguments, Request& request) {
     request.goal = Tolerance{*tolerance, relative};
   } else if (relative) {
     request.goal = Relative{*relative};
+  } else if (rms) {
+    request.goal = RootMeanSquare{*rms};
   } else if (seconds) {
     request.goal = Seconds{*seconds};
   } else if (request.amount.directions) {

@@ -119,6 +119,18 @@ class Options(unittest.TestCase):
         self.assertTrue((upper.data - lower.data <= 0.02 + 1e-12).all())
         self.assertIsNone(viewpeel.compute(scene_file("street.obj"), tolerance=0.01, replicates=8).bounds)
 
+    def test_the_root_mean_square_of_all_errors(self):
+        scene = scene_file("office.obj")
+        fine = viewpeel.compute(scene, rms=2e-5)
+        result = viewpeel.compute(scene, rms=2e-4, seed=2)
+        n = result.form_factors.shape[0]
+        of_all = [numpy.sqrt((errors**2).sum() / n**2) for errors in (
+            result.form_factors.toarray() - fine.form_factors.toarray(), result.standard_errors.toarray())]  # fmt: skip
+        self.assertLess(max(of_all), 2.2e-4)  # a tenth is for the error of the stated errors
+        self.assertGreater(min(of_all), 0)
+        with self.assertRaisesRegex(ValueError, "goal of its own"):
+            viewpeel.compute(scene, rms=1e-4, tolerance=1e-3)
+
     def test_a_question(self):
         result = viewpeel.compute(scene_file("office.obj"), by="surface", rows_of="radiator", tolerance=1e-2)
         rows = numpy.unique(result.form_factors.tocoo().row)

@@ -27,6 +27,7 @@ def compute(
     *,
     tolerance: Optional[float] = None,
     relative: Optional[float] = None,
+    rms: Optional[float] = None,
     seconds: Optional[float] = None,
     epsilon: Optional[float] = None,
     delta: Optional[float] = None,
@@ -69,6 +70,7 @@ def compute(
         tolerance: largest error, above 0. It is the default goal, promised where a promise costs little more (see
             promise), else estimated
         relative: largest relative standard error, over form factors of at least `floor` (0.01)
+        rms: largest root mean square of the standard errors of all n x n form factors, above 0; a goal of its own
         seconds: time limit, s; with another goal the run may stop before it
         epsilon, delta, rows: a guarantee: with probability 1 - delta (0.01) every form factor is within epsilon; with
             rows=True each row's environment is, too
@@ -99,7 +101,7 @@ def compute(
     Cost: as the program, plus less than 1 ms a call; other Python threads run meanwhile
     """
     arguments: Dict[str, Any] = dict(
-        tolerance=tolerance, relative=relative, seconds=seconds, epsilon=epsilon, delta=delta, rows=rows,
+        tolerance=tolerance, relative=relative, rms=rms, seconds=seconds, epsilon=epsilon, delta=delta, rows=rows,
         directions=directions, replicates=replicates, resolution=resolution, floor=floor, by=by,
         rows_of=_names(rows_of), pair=_names(pair), blockers=_names(blockers), two_sided=two_sided, balance=balance,
         seed=seed, engine=engine, device=device, threads=threads, sampling=sampling, sampler=sampler,

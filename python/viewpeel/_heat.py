@@ -181,7 +181,7 @@ def _solve_scene(scene: Any, table: _core.Materials, matrix_free: Optional[bool]
 
 def _solve_to(made: _core.Scene, table: _core.Materials, tolerance: str, options: dict[str, Any]) -> _core.Heat:
     value, unit = _tolerance_of(tolerance)
-    for name in ("relative", "epsilon", "directions", "replicates", "checkpoint", "resume"):
+    for name in ("relative", "rms", "epsilon", "directions", "replicates", "checkpoint", "resume"):
         if options.pop(name, None):
             raise ValueError(f"{name}: form factors are computed to the tolerance of the answers; leave it out")
     progress = options.pop("progress", False)

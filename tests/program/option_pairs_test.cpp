@@ -265,6 +265,7 @@ TEST_F(OptionPairs, EveryPairIsInARun) {
 TEST_F(OptionPairs, WithDirections) { checkGoal("--directions 60 --replicates 16"); }
 TEST_F(OptionPairs, WithATolerance) { checkGoal("--tolerance"); }
 TEST_F(OptionPairs, WithARelativeError) { checkGoal("--relative"); }
+TEST_F(OptionPairs, WithAMeanOfAllErrors) { checkGoal("--rms"); }
 TEST_F(OptionPairs, WithATime) { checkGoal("--seconds"); }
 TEST_F(OptionPairs, WithAGuarantee) { checkGoal("--epsilon"); }
 

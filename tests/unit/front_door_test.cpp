@@ -41,7 +41,7 @@ Request onHost(Goal goal) {
 TEST(FrontDoor, EveryGoalIsReached) {
   const Scene scene = buildScene(ts::parallelSquares());
   for (const Goal& goal : {Goal(Tolerance{2e-3}), Goal(Tolerance{1e-2, 0.05}), Goal(Relative{0.05}), Goal(Seconds{0.5}),
-                           Goal(FixedAmount{.directions = 64, .resolution = 64})}) {
+                           Goal(RootMeanSquare{1e-3}), Goal(FixedAmount{.directions = 64, .resolution = 64})}) {
     for (const bool unoccluded : {true, false}) {
       SCOPED_TRACE(testing::Message() << "goal " << goal.index() << (unoccluded ? ", unoccluded form factors" : ""));
       Request request = onHost(goal);
@@ -79,6 +79,7 @@ TEST(FrontDoor, NumbersThatMeanNothingAreRefused) {
     EXPECT_TRUE(refuses(Tolerance{wrong}, nothing)) << wrong;
     EXPECT_TRUE(refuses(Tolerance{1e-3, wrong}, nothing)) << wrong;
     EXPECT_TRUE(refuses(Relative{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(refuses(RootMeanSquare{wrong}, nothing)) << wrong;
     EXPECT_TRUE(refuses(Seconds{wrong}, nothing)) << wrong;
     EXPECT_TRUE(refuses(EpsilonDelta{wrong}, nothing)) << wrong;
     EXPECT_TRUE(refuses(Tolerance{}, [&](Request& request) { request.time_limit_s = wrong; })) << wrong;

@@ -47,14 +47,22 @@ TEST(VarianceLeft, IsBetweenAJumpAndASlope) {
 // The pair of the largest variance in the pilot, which all replicates met, is not the one of the largest variance with
 // more directions.
 TEST(VarianceLeft, RarePairsTakeOver) {
-  std::vector<double> largest(9, 0.0);
-  largest[8] = 2;
-  largest[1] = 1;  // m = -log(7/8) = 0.1335
+  PilotVariances largest{.by_meetings = std::vector<double>(9, 0.0)};
+  largest.by_meetings[8] = 2;
+  largest.by_meetings[1] = 1;  // m = -log(7/8) = 0.1335
   EXPECT_NEAR(varianceLeft(largest, 16), 0.5 * (1 + 0.13353) / (16 * (1 + 16 * 0.13353)), 1e-5);
-  largest[1] = 0;
+  largest.by_meetings[1] = 0;
   EXPECT_NEAR(varianceLeft(largest, 16), (1 + 2.77259) / (16 * (1 + 16 * 2.77259)), 1e-5);
   EXPECT_EQ(varianceLeft(largest, 1), 1);
-  EXPECT_EQ(varianceLeft(std::vector<double>(9, 0.0), 4), 1);  // no form factor varied
+  EXPECT_EQ(varianceLeft(PilotVariances{.by_meetings = std::vector<double>(9, 0.0)}, 4), 1);  // no form factor varied
+}
+
+// The mean of variances falls as the sum of its parts does.
+TEST(VarianceLeft, OfAMeanIsTheMean) {
+  PilotVariances mean{.are_means = true, .by_meetings = std::vector<double>(9, 0.0)};
+  mean.by_meetings[8] = 2, mean.by_meetings[1] = 1;
+  const double often = (1 + 2.77259) / (16 * (1 + 16 * 2.77259)), seldom = (1 + 0.13353) / (16 * (1 + 16 * 0.13353));
+  EXPECT_NEAR(varianceLeft(mean, 16), (2 * often + seldom) / 3, 1e-6);
 }
 
 }  // namespace
