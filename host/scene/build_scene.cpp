@@ -190,9 +190,9 @@ std::string describeRepeats(const InputScene& input, const std::vector<Duplicate
   const std::vector<std::string> names = nameFaces(input);
   const auto nameOf = [&](uint32_t face) {
     const uint32_t line = input.faces[face].line;
-    if (line && !input.files.empty()) return fmt::format("{} ({})", names[face], placeOfFace(input, input.faces[face]));
+    if (!input.files.empty()) return fmt::format("{} ({})", names[face], placeOfFace(input, input.faces[face]));
     return line ? fmt::format("{} (line {})", names[face], line)
-                : fmt::format("{} (face {} of the scene)", names[face], face + 1);
+                : fmt::format("{} (face {} of the file)", names[face], face + 1);
   };
   const Duplicate& first = repeats.front();
   const bool is_one = repeats.size() == 1;

@@ -1,5 +1,10 @@
 // Several files make one scene.
+#include <string>
+#include <utility>
+#include <vector>
+
 #include <fmt/format.h>
+#include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
 #include <viewpeel/compute.h>
@@ -84,6 +89,23 @@ TEST_F(JoinScenes, NamesThatStayEqualAreRefused) {
               loadScene(std::vector{a, b, c});
             }),
             b.string() + ": a surface is called 'b/wall', and so is one of " + a.string() + "; rename one of them");
+}
+
+// A part in single precision lies on a part in double precision, in an oblique plane from which rounding moves corners.
+TEST_F(JoinScenes, PartsThatTouchMayDifferInPrecision) {
+  const glm::dvec3 origin(100.1, 200.2, 300.3), right(0.36, 0.48, 0.8), up(-0.8, 0.6, 0);
+  std::string lower, upper = "solid upper\nfacet normal 0 0 1\nouter loop\n";
+  const auto at = [&](const std::pair<int, int>& uv) {
+    return origin + double(uv.first) * right + double(uv.second) * up;
+  };
+  for (const std::pair<int, int>& uv : {std::pair(0, 0), {3, 0}, {3, 3}, {0, 3}})
+    lower += fmt::format("v {:.17g} {:.17g} {:.17g}\n", at(uv).x, at(uv).y, at(uv).z);
+  for (const std::pair<int, int>& uv : {std::pair(1, 1), {1, 2}, {2, 1}})  // the other way round
+    upper += fmt::format("vertex {:.9g} {:.9g} {:.9g}\n", float(at(uv).x), float(at(uv).y), float(at(uv).z));
+  const Coincidences found = loadScene(std::vector{write("lower.obj", lower + "f 1 2 3 4\n"),
+                                                   write("upper.stl", upper + "endloop\nendfacet\nendsolid\n")})
+                                 .coincidences;
+  EXPECT_EQ(found.sheets + found.contacts, 1u);
 }
 
 TEST_F(JoinScenes, MessagesNameTheFileOfAFace) {

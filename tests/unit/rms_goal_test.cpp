@@ -33,9 +33,9 @@ class RmsGoal : public testing::Test {
   const Scene room_ = buildScene(bench::roomWithBoxes(1));
 };
 
-// The true root mean square is over 390,000 form factors. The stated one is a mean of as many variances of 7 degrees of
-// freedom, some hundred of which have most of the weight. So it is off by a tenth at most, and the reference, whose goal
-// is a tenth of the others', adds half a percent.
+// The true root mean square is over 390,000 form factors. The stated one is a mean of as many variances of 7 degrees
+// of freedom, some hundred of which have most of the weight. So it is off by a tenth at most, and the reference, whose
+// goal is a tenth of the others', adds half a percent.
 TEST_F(RmsGoal, IsTrueByLinesAndByDirections) {
   constexpr double kGoal = 1e-4, kWithin = 1.1;
   const FormFactors truth = computeTo(room_, RootMeanSquare{kGoal / 10}, 100).form_factors;
@@ -53,8 +53,8 @@ TEST_F(RmsGoal, IsTrueByLinesAndByDirections) {
   }
 }
 
-// Pairs get lines where a line lessens the sum of all squares the most. Lines for the largest error give most of them to
-// few pairs: in the office a run by tolerance takes 2.4 times the lines of a run with the same root mean square.
+// Pairs get lines where a line lessens the sum of all squares the most. Lines for the largest error give most of them
+// to few pairs: in the office a run by tolerance takes 2.4 times the lines of a run with the same root mean square.
 TEST_F(RmsGoal, TakesFewerLinesThanATolerance) {
   const Scene office = loadScene(VIEWPEEL_SCENES "/office.obj");
   const Result by_tolerance = computeTo(office, Tolerance{3e-4}, 1),
