@@ -37,17 +37,17 @@ class RmsGoal : public testing::Test {
 // of freedom, some hundred of which have most of the weight. So it is off by a tenth at most, and the reference, whose
 // goal is a tenth of the others', adds half a percent.
 TEST_F(RmsGoal, IsTrueByLinesAndByDirections) {
-  constexpr double kGoal = 1e-4, kWithin = 1.1;
-  const FormFactors truth = computeTo(room_, RootMeanSquare{kGoal / 10}, 100).form_factors;
+  constexpr double kRmsGoal = 1e-4, kTimesOfGoal = 1.1;
+  const FormFactors truth = computeTo(room_, RootMeanSquare{kRmsGoal / 10}, 100).form_factors;
   for (const bool pair_lines : {true, false}) {
     SCOPED_TRACE(pair_lines);
-    const Result result = computeTo(room_, RootMeanSquare{kGoal}, 1, pair_lines);
+    const Result result = computeTo(room_, RootMeanSquare{kRmsGoal}, 1, pair_lines);
     EXPECT_TRUE(result.goal_reached);
     EXPECT_EQ(result.plan.pair_lines.has_value(), pair_lines);
-    EXPECT_LE(rmsStandardError(result.form_factors), kGoal);
+    EXPECT_LE(rmsStandardError(result.form_factors), kRmsGoal);
     EXPECT_NEAR(measureStandardErrors(result.form_factors, 0).rms_with_zeros, rmsStandardError(result.form_factors),
-                1e-12 * kGoal);
-    EXPECT_LE(rmsDifference(result.form_factors, truth), kWithin * kGoal);
+                1e-12 * kRmsGoal);
+    EXPECT_LE(rmsDifference(result.form_factors, truth), kTimesOfGoal * kRmsGoal);
     EXPECT_GT(rmsDifference(result.form_factors, truth), 0);
     EXPECT_FALSE(result.form_factors.hasIntervals());
   }
