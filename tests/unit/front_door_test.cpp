@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <functional>
 
 #include <gtest/gtest.h>
 
@@ -61,32 +62,42 @@ TEST(FrontDoor, EveryGoalIsReached) {
   }
 }
 
+// Returns whether a request with this goal, after a change, is refused as bad usage.
+bool isRefusedRequest(const Goal& goal, const std::function<void(Request&)>& change) {
+  Request request = onHost(goal);
+  change(request);
+  try {
+    checkRequest(request);
+  } catch (const Error& error) {
+    return error.code() == ErrorCode::bad_usage;
+  }
+  return false;
+}
+
 // checkRequest() refuses numbers without meaning, for the library has no option parser that would do so.
 TEST(FrontDoor, NumbersThatMeanNothingAreRefused) {
-  const auto refuses = [](Goal goal, auto change) {
-    Request request = onHost(goal);
-    change(request);
-    try {
-      checkRequest(request);
-    } catch (const Error& error) {
-      return error.code() == ErrorCode::bad_usage;
-    }
-    return false;
-  };
   const auto nothing = [](Request&) {};
-  EXPECT_FALSE(refuses(Tolerance{}, nothing));
+  EXPECT_FALSE(isRefusedRequest(Tolerance{}, nothing));
   for (const double wrong : {0.0, -1.0, double(NAN), double(INFINITY)}) {
-    EXPECT_TRUE(refuses(Tolerance{wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(Tolerance{1e-3, wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(Relative{wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(RootMeanSquare{wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(Seconds{wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(EpsilonDelta{wrong}, nothing)) << wrong;
-    EXPECT_TRUE(refuses(Tolerance{}, [&](Request& request) { request.time_limit_s = wrong; })) << wrong;
-    EXPECT_TRUE(refuses(Tolerance{}, [&](Request& request) { request.relative_floor = wrong; })) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Tolerance{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Tolerance{1e-3, wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Relative{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(RootMeanSquare{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Seconds{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(EpsilonDelta{wrong}, nothing)) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Tolerance{}, [&](Request& request) { request.time_limit_s = wrong; })) << wrong;
+    EXPECT_TRUE(isRefusedRequest(Tolerance{}, [&](Request& request) { request.relative_floor = wrong; })) << wrong;
   }
-  EXPECT_TRUE(refuses(Tolerance{}, [](Request& request) { request.amount.replicates = 1; }));
-  EXPECT_TRUE(refuses(Tolerance{}, [](Request& request) { request.amount.resolution = kMaxResolution + 1; }));
+  EXPECT_TRUE(isRefusedRequest(Tolerance{}, [](Request& request) { request.amount.replicates = 1; }));
+  EXPECT_TRUE(isRefusedRequest(Tolerance{}, [](Request& request) { request.amount.resolution = kMaxResolution + 1; }));
+}
+
+TEST(FrontDoor, AMeanOfAllErrorsIsOfAllPolygons) {
+  const Goal goal = RootMeanSquare{};
+  EXPECT_FALSE(isRefusedRequest(goal, [](Request&) {}));
+  EXPECT_TRUE(isRefusedRequest(goal, [](Request& request) { request.by = By::surface; }));
+  EXPECT_TRUE(isRefusedRequest(goal, [](Request& request) { request.question.from = {"floor"}; }));
+  EXPECT_TRUE(isRefusedRequest(goal, [](Request& request) { request.promise = true; }));
 }
 
 TEST(FrontDoor, AGuaranteeSaysWhatHolds) {

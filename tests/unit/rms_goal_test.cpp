@@ -76,23 +76,5 @@ TEST_F(RmsGoal, IsReachedInScenesThatLeakAndWithTwoSides) {
   }
 }
 
-TEST_F(RmsGoal, IsOfAllPolygons) {
-  const auto refuses = [&](auto change) {
-    Request request;
-    request.goal = RootMeanSquare{1e-4};
-    change(request);
-    try {
-      checkRequest(request);
-    } catch (const Error& error) {
-      return error.code() == ErrorCode::bad_usage;
-    }
-    return false;
-  };
-  EXPECT_FALSE(refuses([](Request&) {}));
-  EXPECT_TRUE(refuses([](Request& request) { request.by = By::surface; }));
-  EXPECT_TRUE(refuses([](Request& request) { request.question.from = {"floor"}; }));
-  EXPECT_TRUE(refuses([](Request& request) { request.promise = true; }));
-}
-
 }  // namespace
 }  // namespace viewpeel
