@@ -112,8 +112,7 @@ void addMerge(CLI::App& app, Run& chosen) {
           "--scene", options->scene,
           "The scene that was computed: for unoccluded form factors of pairs with few lines, which checkpoints "
           "of more than 2,896 polygons do not keep; for the polygons of .vtp, and of .h5. Once for each of its files, "
-          "in "
-          "the order in which they were computed")
+          "in the order in which they were computed")
       ->type_name("FILE")
       ->allow_extra_args(false);
   addGroupsOption(command, options->groups);

@@ -15,7 +15,8 @@ void requireSoundOptions(const EstimateOptions& options) {
   if (options.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   for (const std::optional<double>& goal : {options.tolerance, options.relative, options.rms, options.seconds})
     if (goal && !(*goal > 0))
-      throw Error(ErrorCode::bad_usage, "a tolerance, relative error or time to reach must be above 0");
+      throw Error(ErrorCode::bad_usage,
+                  "a tolerance, relative error, root mean square or time to reach must be above 0");
 }
 
 RunSums sumsToBeginWith(const Scene& scene, const Ids& ids, const EstimateOptions& options) {
@@ -61,7 +62,7 @@ bool EstimateRun::isReached() const {
 bool EstimateRun::measure(const FormFactors& so_far) {
   largest_error_ = viewpeel::largestStandardError(so_far);
   largest_relative_error_ = largestRelativeError(so_far, options_.relative_floor);
-  rms_error_ = rmsStandardError(so_far);
+  if (options_.rms) rms_error_ = measureStandardErrors(so_far, 0).rms_with_zeros;
   return isReached();
 }
 
@@ -85,7 +86,7 @@ void EstimateRun::measureNow() {
     if (measure(all)) found_ = std::move(all);
     return;
   }
-  if (options_.rms) rms_error_ = rmsStandardError(sums_.formFactors());
+  if (options_.rms) rms_error_ = measureStandardErrors(sums_.formFactors(), 0).rms_with_zeros;
   if (options_.relative)
     largest_relative_error_ =
         sums_.by_id.largestRelativeError(sums_.measure_area, options_.relative_floor, sums_.countArea());

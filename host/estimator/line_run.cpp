@@ -150,7 +150,8 @@ void LineRun::measureErrors() {
   largest_error_ = viewpeel::largestStandardError(*all);
   if (hasCountedPairs()) planFurther(excessOfPairs(findWantingBetweenSurfaces(*all), {}), 1);
   else if (options_.rms)
-    planFurtherInTime(std::vector(sums_.lines->pairs().size(), viewpeel::rmsStandardError(*all) / *options_.rms));
+    planFurtherInTime(
+        std::vector(sums_.lines->pairs().size(), measureStandardErrors(*all, 0).rms_with_zeros / *options_.rms));
   else planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all)));
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();

@@ -160,8 +160,8 @@ double Planner::errorOfVisibilities(const std::vector<PilotCounts>& counted, dou
                            : INFINITY});
   const std::vector<uint64_t> lines = countsOfLines(ids_, groups_, engine_->unitArea());
   const NeighbourVisibility neighbours(sums, lines, ranks_);
-  return (options_.rms ? rmsStandardError : largestStandardError)(
-      {ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {}});
+  const FormFactors found(ids_, sums.find(prior, lines, measure_area, count_area, {}, {}, &neighbours).entries, {});
+  return options_.rms ? measureStandardErrors(found, 0).rms_with_zeros : largestStandardError(found);
 }
 
 // Returns the most directions of a replicate.

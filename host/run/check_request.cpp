@@ -84,8 +84,7 @@ void checkRequest(const Request& request) {
     if (!mayUsePairLines(request))
       refuse(
           "--pair-lines on needs a goal by --tolerance, --relative, --rms, --seconds or --epsilon, and any engine but "
-          "exact; "
-          "leave out --directions, --statistic median, --range and --block, and give parts a tolerance");
+          "exact; leave out --directions, --statistic median, --range and --block, and give parts a tolerance");
     if (request.unoccluded.has_value())
       refuse("--pair-lines on always takes unoccluded form factors; leave out --unoccluded");
   }

@@ -74,7 +74,8 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   }
   if (setup.estimate().is_timed)
     if (std::string why = takeTimedTolerance(counts); !why.empty()) return why;
-  if (setup.estimate().rms) return mayFindAll(pairNumbers()) ? "" : "too many pairs of polygons see each other";
+  if (setup.estimate().rms)
+    return setup.isLarge() && !mayFindAll(pairNumbers()) ? "too many pairs of polygons see each other" : "";
   if (std::string why = takeDirectionsAlone(); !why.empty()) return why;
   if (line_mixture.countsAll() || !setup.plansWhichPairs()) return "";
   const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());

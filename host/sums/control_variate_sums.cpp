@@ -231,18 +231,6 @@ double largestStandardError(const FormFactors& form_factors) {
   return largest;
 }
 
-double rmsStandardError(const FormFactors& form_factors) {
-  const Ids& ids = form_factors.ids();
-  double squares = 0;
-  for (const auto& entry : form_factors.entries()) {
-    if (entry.j >= kEnvironment) continue;
-    const double variance = std::pow(entry.exchange_area.standard_error, 2);
-    squares += variance / std::pow(ids.areas[entry.i], 2);
-    if (entry.i != entry.j) squares += variance / std::pow(ids.areas[entry.j], 2);
-  }
-  return std::sqrt(squares) / double(std::max<size_t>(ids.count(), 1));
-}
-
 double largestRelativeError(const FormFactors& form_factors, double floor) {
   const Ids& ids = form_factors.ids();
   double largest = 0;

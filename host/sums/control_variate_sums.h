@@ -153,9 +153,6 @@ FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampl
 
 // Returns the largest standard error over all form factors of the requested rows.
 double largestStandardError(const FormFactors& form_factors);
-// Returns the root mean square of the standard errors of all n^2 form factors between n rows; without an entry the
-// standard error is 0.
-double rmsStandardError(const FormFactors& form_factors);
 // Returns the largest standard error relative to its form factor, over form factors of at least `floor`.
 double largestRelativeError(const FormFactors& form_factors, double floor);
 
