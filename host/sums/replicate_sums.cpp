@@ -107,8 +107,10 @@ double ReplicateSums::rayEfficiency(double measure_area, double count_area) cons
     for (const PairSum& pair : pairs_.block(block)) {
       if (pair.j != kEnvironment) continue;
       const Measured exchange = exchangeArea(pair, measure_area, count_area);
-      parts[block].variance += exchange.standard_error * exchange.standard_error;
-      parts[block].binomial += binomialVariance(pair.i, exchange.value, measure_area, count_area);
+      const double error = exchange.standard_error / ids_.areas[pair.i],
+                   binomial = binomialVariance(pair.i, exchange.value, measure_area, count_area);
+      parts[block].variance += error * error;
+      parts[block].binomial += binomial / (ids_.areas[pair.i] * ids_.areas[pair.i]);
     }
   });
   Part all;

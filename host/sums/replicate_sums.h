@@ -80,8 +80,8 @@ class ReplicateSums {
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // Returns the row sums of the same form factors, with their own spread over replicates.
   std::vector<Measured> measureRows(double measure_area) const;
-  // Returns how much the environments of rows with rays vary, over all rows: the sum of their variances over the sum of
-  // those that independent rays would have. Returns 0 without rays.    In: as in formFactors
+  // Returns how much the environments of rows with rays vary, over all rows: the sum of the variances of their form
+  // factors over the sum of those that independent rays would have. Returns 0 without rays.    In: as in formFactors
   double rayEfficiency(double measure_area, double count_area) const;
   // Returns the bound that unmetBound() returns, of pairs that no ray met.    In: directions: of all replicates
   double unmetBoundOfRays(double directions) const;

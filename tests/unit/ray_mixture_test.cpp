@@ -260,6 +260,31 @@ TEST(RayMixture, AnEnvironmentThatAllRaysReachIsNotCertain) {
   EXPECT_NEAR(found.entries()[0].exchange_area.standard_error / 2, 1.0 / (8 * kRays), 0.1 / (8 * kRays));
 }
 
+// One large row varies from replicate to replicate by 8 of 128 rays, nine small rows by one ray. Rows weigh alike, for
+// the large row says as much about the small ones as one of them does.
+TEST(RayMixture, TheEfficiencyOfRaysIsThatOfAllRows) {
+  constexpr uint64_t kRays = 128, kCounts = 1'000;  // of a ray, for each unit of area
+  constexpr int kOf = 8;                            // replicates
+  Ids ids;
+  for (uint32_t k = 0; k < 10; ++k)
+    ids.names.push_back(std::to_string(k)), ids.areas.push_back(k ? 1 : 1'000), ids.surface.push_back(0);
+  ReplicateSums sums(ids);
+  sums.countRays(ids.areas);
+  for (int replicate = 0; replicate < kOf; ++replicate) {
+    PairCounts counts;
+    for (uint32_t k = 0; k < 10; ++k) {
+      const uint64_t spread = k ? 1 : 8, rays = kRays / 2 + (replicate % 2 ? spread : -spread);
+      counts.push_back({k, kEnvironment, rays * kCounts * static_cast<uint64_t>(ids.areas[k])});
+    }
+    sums.add(counts);
+  }
+  // A mean of eight counts of 64 +- d has the variance d^2 / 7, of independent rays 128 / 4 / 8. Eq. (12) adds the
+  // variance of one ray to the sum of eight counts: 1 / 64 to that of their mean.
+  const double unit = 1.0 / (2 * kCounts), independent = 128.0 / 4 / kOf,
+               expected = (64.0 / 7 + 9 * 1.0 / 7) / (10 * independent);
+  EXPECT_NEAR(sums.rayEfficiency(unit / kRays, unit), expected, 2.0 / (kOf * kOf) / independent);
+}
+
 // Row 0 has rays in five replicates, row 1 in two; the pair between them is counted in two.
 TEST(RayMixture, FurtherReplicatesCountForTheirRowsAlone) {
   Ids ids;
