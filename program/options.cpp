@@ -35,6 +35,11 @@ void addSceneOptions(CLI::App* command, SceneOptions& options) {
                  "Look at an EnergyPlus building from outside: surfaces outdoors and shading surfaces, in place of its "
                  "zones")
       ->excludes(zone);
+  command
+      ->add_option("--lod", options.lod,
+                   "Of each object of a city model (CityJSON) take the highest level of detail up to this one")
+      ->check([](const std::string& text) { return isNumber(text, 0, 10); })
+      ->type_name("LEVEL");
 }
 
 void addGroupsOption(CLI::App* command, std::string& groups) {

@@ -66,8 +66,8 @@ void addChoice(CLI::App* command, const std::string& name, T& value,
 
 // This text describes the argument SCENE.
 inline constexpr const char* kSceneText =
-    "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the folder of an "
-    "OpenFOAM case; or several files, each with a part of the scene";
+    "Scene file: .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .json or .jsonl (CityJSON), .idf or "
+    ".epJSON, or the folder of an OpenFOAM case; or several files, each with a part of the scene";
 
 // Adds the options that decide what a scene file leaves open: --sheets, --solids, --flip and --fix-normals.
 void addSceneOptions(CLI::App* command, SceneOptions& options);

@@ -259,7 +259,7 @@ void addComputing(CLI::App* command, SolveCommand& options) {
   startGroup(command, kWhat);
   addSceneOptions(command, options.request.scene_options);
   addGroupsOption(command, options.groups);
-  for (const char* name : {"--sheets", "--solids", "--flip", "--fix-normals", "--zone", "--outside"})
+  for (const char* name : {"--sheets", "--solids", "--flip", "--fix-normals", "--zone", "--outside", "--lod"})
     computing.push_back(command->get_option(name));
   computing.push_back(
       command->add_flag("--two-sided", options.request.two_sided, "Every polygon emits and receives on both sides"));

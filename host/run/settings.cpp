@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -23,6 +24,7 @@ void addSettings(const SceneOptions& options, Settings& settings) {
   if (options.unit_m != 1) settings.emplace_back("--units", fmt::format("{}", options.unit_m));
   for (const std::string& name : options.zones) settings.emplace_back("--zone", name);
   if (options.outside) settings.emplace_back("--outside", "yes");
+  if (options.lod < INFINITY) settings.emplace_back("--lod", fmt::format("{}", options.lod));
 }
 
 SceneOptions sceneOptionsOf(const Settings& settings) {
@@ -35,6 +37,7 @@ SceneOptions sceneOptionsOf(const Settings& settings) {
     if (name == "--units") std::from_chars(value.data(), value.data() + value.size(), options.unit_m);
     if (name == "--zone") options.zones.push_back(value);
     if (name == "--outside") options.outside = value == "yes";
+    if (name == "--lod") std::from_chars(value.data(), value.data() + value.size(), options.lod);
   }
   return options;
 }

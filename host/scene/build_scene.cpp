@@ -168,14 +168,15 @@ Scene splitFaces(const InputScene& input, const std::vector<Duplicate>& repeats)
     const InputFace& of_file = input.faces[scene.faces[face].row];
     const std::vector<glm::dvec3> corners = distinctCorners(of_file, scene);
     const std::optional<Pieces> pieces = splitFace(corners);
+    // A file without lines is searched for the face by name.
+    const auto refuse = [&](const std::string& what) {
+      const std::string name = of_file.line ? "the face" : fmt::format("face '{}'", faceName(scene, face));
+      throw Error(ErrorCode::bad_input, fmt::format("{}: {} {}", placeOfFace(input, of_file), name, what));
+    };
     if (!pieces)
-      throw Error(ErrorCode::bad_input,
-                  fmt::format("{}: the face has {} corners, too many to cut it into convex pieces in seconds; split it "
-                              "into several",
-                              placeOfFace(input, of_file), corners.size()));
-    if (pieces->empty())
-      throw Error(ErrorCode::bad_input,
-                  fmt::format("{}: the face crosses itself; split it into simple ones", placeOfFace(input, of_file)));
+      refuse(fmt::format("has {} corners, too many to cut it into convex pieces in seconds; split it into several",
+                         corners.size()));
+    if (pieces->empty()) refuse("crosses itself; split it into simple ones");
     for (const std::vector<uint32_t>& piece : *pieces) addPiece(corners, piece, face, scene);
   }
   for (std::string& line : dropped.warnings()) scene.warnings.push_back(std::move(line));

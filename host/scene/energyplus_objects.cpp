@@ -3,6 +3,8 @@
 #include <fstream>
 #include <iterator>
 
+#include "scene/json_text.h"
+
 namespace viewpeel {
 namespace {
 
@@ -58,22 +60,7 @@ std::vector<IdfObject> readIdf(const std::filesystem::path& file) {
 
 nlohmann::ordered_json readEpJson(const std::filesystem::path& file) {
   std::ifstream in(file, std::ios::binary);
-  const std::string text{std::istreambuf_iterator<char>(in), {}};
-  // Deeper nesting is no epJSON, and would exhaust the stack.
-  constexpr int kMostDepth = 64;
-  int depth = 0;
-  for (char c : text) {
-    depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
-    if (depth > kMostDepth) FilePlace{file.string()}.refuse("objects are nested too deeply; export the file again");
-  }
-  try {
-    return nlohmann::ordered_json::parse(text);
-  } catch (const nlohmann::json::exception& error) {
-    const auto* place = dynamic_cast<const nlohmann::json::parse_error*>(&error);
-    const size_t byte = place ? std::min(place->byte, text.size()) : 0;
-    const auto line = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(byte), '\n');
-    FilePlace{file.string(), static_cast<uint32_t>(line)}.refuse("not JSON here; correct it");
-  }
+  return parseJson({std::istreambuf_iterator<char>(in), {}}, FilePlace{file.string()});
 }
 
 }  // namespace viewpeel

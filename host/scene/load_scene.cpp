@@ -1,4 +1,5 @@
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 
@@ -60,11 +61,16 @@ InputScene readScene(const fs::path& file, const SceneOptions& options) {
                 fmt::format("{}: {} is for buildings of EnergyPlus, .idf or .epJSON; leave it out", file.string(),
                             options.outside ? "--outside" : "--zone"));
   const std::string extension = extensionOf(file);
+  if (extension == ".json") return readCityJson(file, options.lod);
+  if (extension == ".jsonl") return readCityJsonSequence(file, options.lod);
+  if (options.lod < INFINITY)
+    throw Error(ErrorCode::bad_usage,
+                fmt::format("{}: --lod is for city models, .json or .jsonl; leave it out", file.string()));
   for (const auto& [name, read] : kReaders)
     if (extension == name) return read(file);
   refuse(file,
-         "unknown format; use .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf or .epJSON, or the "
-         "folder of an OpenFOAM case");
+         "unknown format; use .obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .json or .jsonl (CityJSON), "
+         ".idf or .epJSON (EnergyPlus), or the folder of an OpenFOAM case");
 }
 
 InputScene readScene(const std::vector<fs::path>& files, const SceneOptions& options) {

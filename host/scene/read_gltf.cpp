@@ -12,6 +12,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include "scene/json_text.h"
 #include "scene/readers.h"
 #include "scene/words.h"
 
@@ -22,7 +23,7 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
 constexpr uint32_t kMagic = 0x46546C67, kJsonChunk = 0x4E4F534A, kBinChunk = 0x004E4942;
-constexpr int kMostDepth = 64;                 // of nodes, and of nested JSON
+constexpr int kMostDepth = 64;                 // of nodes
 constexpr uint64_t kMostTriangles = 1u << 28;  // of all nodes together: a small file may repeat a mesh many times
 constexpr int64_t kFloat = 5126, kByte = 5121, kShort = 5123, kInt = 5125;
 
@@ -83,11 +84,7 @@ class GltfReader {
         at += 8 + length;
       }
     }
-    int depth = 0;
-    for (char c : text) {
-      depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
-      if (depth > kMostDepth) place_.refuse("objects are nested too deeply; export the file again");
-    }
+    requireShallow(text, place_);
     document_ = Json::parse(text, nullptr, false);
     if (!document_.is_object()) place_.refuse("not glTF: there is no JSON object; export it again");
     if (!document_.contains("asset")) place_.refuse("not glTF: there is no 'asset'; export it again");

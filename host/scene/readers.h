@@ -1,6 +1,8 @@
 // Each format has a reader. Readers are written here, not taken from libraries, because coordinates are read in double,
 // errors name their line, and truncated files are refused. The caller checks that the file exists.
 #pragma once
+#include <cmath>
+
 #include <viewpeel/scene.h>
 
 namespace viewpeel {
@@ -48,6 +50,14 @@ InputScene readEnergyPlusZones(const std::filesystem::path& file, const std::vec
 // only block.
 //   Throws: as readEnergyPlusZones; bad_input for shading surfaces described by lengths, and where nothing is outdoors.
 InputScene readEnergyPlusOutside(const std::filesystem::path& file);
+
+// Reads the polygons of city models: CityJSON, or a sequence of its features, one a line. Polygons of an object that
+// have one semantic type are a surface, "OBJECT/RoofSurface". Without a type the object is one.
+//   In: most_detail: each object has its highest level of detail that is at most this; the levels of buildings, bridges
+//     and tunnels below 1, which are footprints, are passed over
+//   Throws: Error bad_input, naming the file, and the object or the line.
+InputScene readCityJson(const std::filesystem::path& file, double most_detail = INFINITY);
+InputScene readCityJsonSequence(const std::filesystem::path& file, double most_detail = INFINITY);
 
 // Reads the triangles of glTF 2.0, .gltf or .glb, in the scene's coordinates. Nodes are surfaces.
 //   Throws: Error bad_input naming the file.

@@ -16,16 +16,6 @@ using Flat = std::vector<glm::dvec2>;
 double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 double turn(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c) { return cross(b - a, c - b); }
 
-// Returns the corners in the plane orthogonal to the normal, counter-clockwise.
-Flat flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
-  const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  const glm::dvec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
-  Flat flat;
-  for (const glm::dvec3& corner : corners)
-    flat.push_back({glm::dot(corner - corners[0], x), glm::dot(corner - corners[0], y)});
-  return flat;
-}
-
 bool isPlanar(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
   const glm::dvec3 centre = std::accumulate(corners.begin(), corners.end(), glm::dvec3(0)) / double(corners.size());
   return std::all_of(corners.begin(), corners.end(),
@@ -157,6 +147,15 @@ glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners) {
   for (size_t k = 1; k + 1 < corners.size(); ++k)
     sum += glm::cross(corners[k] - corners[0], corners[k + 1] - corners[0]);
   return sum;
+}
+
+std::vector<glm::dvec2> flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal) {
+  const glm::dvec3 helper = std::abs(normal.x) < 0.6 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
+  const glm::dvec3 x = glm::normalize(glm::cross(helper, normal)), y = glm::cross(normal, x);
+  std::vector<glm::dvec2> flat;
+  for (const glm::dvec3& corner : corners)
+    flat.push_back({glm::dot(corner - corners[0], x), glm::dot(corner - corners[0], y)});
+  return flat;
 }
 
 std::optional<Pieces> splitFace(const std::vector<glm::dvec3>& corners) {

@@ -20,6 +20,10 @@ using Pieces = std::vector<std::vector<uint32_t>>;
 // Returns twice the vector area, by Newell's formula. Its direction is the mean normal.
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners);
 
+// Returns corners in the plane orthogonal to a unit normal, with the first one at the origin. Loops that run
+// counter-clockwise about the normal do so in the plane.
+std::vector<glm::dvec2> flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal);
+
 // Cuts a simple polygon into convex planar pieces that tile it. A convex planar face is returned whole. It keeps
 // corners in the middle of an edge, because neighbours may meet there.
 //   In: corners: three or more, with consecutive corners distinct and a vector area that is not zero

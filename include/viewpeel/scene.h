@@ -1,5 +1,6 @@
 // loadScene() reads a file into an InputScene. buildScene() makes a Scene of it, on which everything else works.
 #pragma once
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -122,6 +123,7 @@ struct SceneOptions {
   double unit_m = 1;                // metres in one unit of the file; all results are then in metres
   std::vector<std::string> zones;   // zones of an EnergyPlus building to read; empty: all
   bool outside = false;             // read an EnergyPlus building from outside, without its zones
+  double lod = INFINITY;            // the highest level of detail to read of a city model's objects
 };
 
 // Makes a scene. It checks the faces, leaves out degenerate and repeated ones, and splits the rest into convex planar
@@ -145,7 +147,7 @@ Scene loadScene(const std::filesystem::path& file, const SceneOptions& options =
 // Reads several files into one scene, each with some of its parts. Rows are in the order of the files. A surface name
 // that occurs in several files has the name of its file and a slash before it: "inner/wall". All files have the same
 // unit of length and the same axes. Scene::file names the files without their folders.
-//   In: files: .obj, .stl, .ply, .gltf, .glb, .msh, .vtp or .vtu; a single file may have any format
+//   In: files: .obj, .stl, .ply, .gltf, .glb, .msh, .vtp, .vtu, .json or .jsonl; a single file may have any format
 //   Out, Error, Cost: as buildScene. Tests: tests/unit/join_scenes_test.cpp.
 //   Throws: as loadScene; Error bad_usage for no file, for a file that is named twice, and for another format.
 Scene loadScene(const std::vector<std::filesystem::path>& files, const SceneOptions& options = {});

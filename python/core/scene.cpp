@@ -1,6 +1,7 @@
 // This file binds scenes, from files and from arrays.
 #include "python/core/bindings.h"
 
+#include <cmath>
 #include <viewpeel/error.h>
 
 namespace viewpeel::python {
@@ -44,8 +45,9 @@ InputScene inputOf(const Points& points, const Indices& corners, const Indices& 
 }
 
 SceneOptions optionsOf(std::vector<std::string> sheets, std::vector<std::string> solids, std::vector<std::string> flip,
-                       bool fix_normals, double unit_m, std::vector<std::string> zones = {}, bool outside = false) {
-  return {std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m, std::move(zones), outside};
+                       bool fix_normals, double unit_m, std::vector<std::string> zones = {}, bool outside = false,
+                       double lod = INFINITY) {
+  return {std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m, std::move(zones), outside, lod};
 }
 
 }  // namespace
@@ -65,14 +67,15 @@ void addScene(py::module_& module) {
   module.def(
       "load_scene",
       [](const std::vector<std::string>& files, std::vector<std::string> sheets, std::vector<std::string> solids,
-         std::vector<std::string> flip, bool fix_normals, double unit_m, std::vector<std::string> zones, bool outside) {
+         std::vector<std::string> flip, bool fix_normals, double unit_m, std::vector<std::string> zones, bool outside,
+         double lod) {
         SceneOptions options = optionsOf(std::move(sheets), std::move(solids), std::move(flip), fix_normals, unit_m,
-                                         std::move(zones), outside);
+                                         std::move(zones), outside, lod);
         const py::gil_scoped_release released;
         return hold(loadScene({files.begin(), files.end()}, options), options);
       },
       py::arg("files"), py::arg("sheets"), py::arg("solids"), py::arg("flip"), py::arg("fix_normals"),
-      py::arg("unit_m"), py::arg("zones"), py::arg("outside"));
+      py::arg("unit_m"), py::arg("zones"), py::arg("outside"), py::arg("lod"));
   module.def(
       "build_scene",
       [](const Points& points, const Indices& corners, const Indices& starts, const Indices& surfaces,

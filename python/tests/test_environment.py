@@ -1,5 +1,6 @@
 """These tests measure the environment alone, its parts above and below the horizon, and bounds of the environment."""
 
+import json
 import os
 import signal
 import tempfile
@@ -55,6 +56,28 @@ class EnvironmentAlone(unittest.TestCase):
 
         with self.assertRaises(viewpeel.Interrupted):
             viewpeel.environment(scene_file("street.obj"), tolerance=1e-6, progress=stop)
+
+
+class CityModel(unittest.TestCase):
+    """This test computes a city model of a roof at two levels of detail."""
+
+    def test_lod(self):
+        def roof(lod, corners):
+            return {"type": "MultiSurface", "lod": lod, "boundaries": [[corners]]}
+
+        model = {"type": "CityJSON", "version": "2.0", "transform": {"scale": [1, 1, 1], "translate": [0, 0, 0]}}
+        model["vertices"] = [[0, 0, 5], [4, 0, 5], [4, 3, 5], [0, 3, 6]]
+        model["CityObjects"] = {"b": {"type": "Building", "geometry": [roof("1.2", [0, 1, 2]), roof("2.2", [0, 1, 2, 3])]}}
+        with tempfile.TemporaryDirectory() as folder:
+            file = os.path.join(folder, "a.city.json")
+            with open(file, "w") as out:
+                json.dump(model, out)
+            self.assertAlmostEqual(viewpeel.compute(file, by="surface", lod=1.2).areas[0], 6)
+            self.assertGreater(viewpeel.compute(file, by="surface").areas[0], 12)
+            with self.assertRaisesRegex(ValueError, "give a larger --lod"):
+                viewpeel.compute(file, lod=1)
+        with self.assertRaisesRegex(ValueError, "lod: is of a city model"):
+            viewpeel.compute(([[0, 0, 0], [1, 0, 0], [0, 1, 0]], [[0, 1, 2]]), lod=1)
 
 
 class Bounds(unittest.TestCase):

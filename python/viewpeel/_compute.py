@@ -61,9 +61,10 @@ def compute(
 
     In:
         scene: one of these:
-            a file (.obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .idf, .epJSON) or the folder of an
-                OpenFOAM case,
-            a list of files, each with a part of the scene (.obj, .stl, .ply, .gltf, .glb, .msh, .vtp, .vtu),
+            a file (.obj, .stl, .ply, .gltf, .glb, .vs3, .inp, .msh, .vtp, .vtu, .json, .jsonl, .idf, .epJSON) or the
+                folder of an OpenFOAM case,
+            a list of files, each with a part of the scene (.obj, .stl, .ply, .gltf, .glb, .msh, .vtp, .vtu, .json,
+                .jsonl),
             (points, polygons) or (points, polygons, names): n x 3 float64, in any unit of length; m sequences of
                 indices from 0, counter-clockwise seen from the front, or an m x k array; the surface of each polygon,
             a mesh of meshio, trimesh, pyvista (PolyData) or VTK
@@ -93,7 +94,7 @@ def compute(
             not look at it), directions, directions_of_replicate, and of a guarantee expected_blocks and most_blocks.
             An exception that it raises stops the run and is passed on
         scene_options: sheets, solids, flip (names), fix_normals (bool), units ("m", "mm", "cm", "in", "ft"); of an
-            EnergyPlus building zones (names) or outside (bool)
+            EnergyPlus building zones (names) or outside (bool); of a city model lod (the highest level of detail)
     Out: Result of the scene's rows
     Error: as the goal demands; standard errors are estimates, and intervals of a guarantee are bounds
     Raises: ValueError with the program's line for bad scenes and options; Interrupted on Ctrl-C; OSError; Error;

@@ -30,6 +30,7 @@ def load_scene(
     unit_m: float,
     zones: Sequence[str],
     outside: bool,
+    lod: float,
 ) -> Scene: ...
 def build_scene(
     points: ArrayLike,

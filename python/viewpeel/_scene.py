@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import warnings
 from typing import Any, Optional, Sequence
@@ -159,7 +160,7 @@ def _files_of(scene: Any) -> list[str]:
 def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
     """Makes a scene, and warns of what was noticed in it.
 
-    In: scene: file, files, arrays or mesh; options: takes sheets, solids, flip, fix_normals, units, zones and outside out of it
+    In: scene: file, files, arrays or mesh; options: takes sheets, solids, flip, fix_normals, units, zones, outside and lod out of it
     """
     if isinstance(scene, _core.Scene):
         return scene
@@ -169,10 +170,14 @@ def scene_of(scene: Any, options: dict[str, Any]) -> _core.Scene:
         raise ValueError(f"units: '{units}' is not one of {', '.join(_UNITS_M)}")
     how = dict(words, fix_normals=bool(options.pop("fix_normals", False)), unit_m=_UNITS_M[units])
     zones, outside = options.pop("zones", ()), bool(options.pop("outside", False))
+    lod = options.pop("lod", None)
     if files := _files_of(scene):
-        made = _core.load_scene(files, zones=[zones] if isinstance(zones, str) else list(zones), outside=outside, **how)
+        zones = [zones] if isinstance(zones, str) else list(zones)
+        made = _core.load_scene(files, zones=zones, outside=outside, lod=math.inf if lod is None else float(lod), **how)
     elif zones or outside:
         raise ValueError("zones, outside: are of an EnergyPlus building; give its file, .idf or .epJSON")
+    elif lod is not None:
+        raise ValueError("lod: is of a city model; give its file, .json or .jsonl")
     else:
         polygons = _polygons_of(scene)
         made = _core.build_scene(
