@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "estimator/environment_rays.h"
 #include "program/command_line.h"
 #include "program/commands.h"
 #include "program/interrupts.h"
@@ -22,9 +23,9 @@ namespace viewpeel::program {
 namespace {
 
 constexpr size_t kMostEnvironmentRows = 20;
-// All pairs of n polygons take about the time of this many rays, times n^2: in cities of 1,000 to 6,400 triangles a
-// tenth of them see each other, each of which takes as long as seven rays.
-constexpr double kRaysOfPairs = 0.4;
+// All pairs of n polygons take about the time of this many rays, or quick rays, times n^2: in cities of 1,000 to 6,400
+// triangles a tenth of them see each other, each of which takes as long as seven rays that are not quick.
+constexpr double kRaysOfPairs = 0.4, kQuickRaysOfPairs = 5;
 // This tolerance stands for none: a run with only a time limit must go on until time is up.
 constexpr double kNoTolerance = 1e-300;
 // Sky and ground are split to the standard error that the form factors reached, but not below this one. Where form
@@ -90,7 +91,8 @@ Measurement measure(const ComputeOptions& options, const Scene& scene, Environme
   const auto polygons = double(scene.polygons.size());
   // Beyond kMostPairLineFaces a plan by pairs may take long, and then be one by directions.
   if (std::holds_alternative<Tolerance>(options.request.goal) && scene.faces.size() <= kMostPairLineFaces)
-    request.most_rays = kRaysOfPairs * polygons * polygons;
+    request.most_rays =
+        (hasQuickRays(scene, request.tolerance) ? kQuickRaysOfPairs : kRaysOfPairs) * polygons * polygons;
   EnvironmentParts parts = measureEnvironment(scene, request, observer);
   if (parts.is_reached || !request.most_rays) return {parts, describeWork(parts)};
   request.most_rays.reset();

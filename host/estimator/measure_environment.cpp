@@ -40,9 +40,9 @@ constexpr int kFinestResolution = 1024;
 // rays.
 constexpr uint32_t kFirstRays = 64, kMostRays = 1 << 16;
 constexpr double kRayExponent = 0.6, kMostRayGrowth = 16;
-// A direction takes the time of this many rays for each polygon of the scene. Sobol's points need about this share of
-// the rays that independent ones need.
-constexpr double kRaysOfDirection = 0.1, kShareOfIndependent = 0.2;
+// A direction takes the time of this many rays, or quick rays, for each polygon of the scene. Sobol' points need about
+// this share of the rays that independent ones need.
+constexpr double kRaysOfDirection = 0.1, kQuickRaysOfDirection = 1.3, kShareOfIndependent = 0.2;
 
 // Counts hold the lines of one replicate that leave the scene above the horizon (up) and below it: double[row].
 struct Counts {
@@ -164,49 +164,56 @@ class Measurement {
   bool arePaid(const EnvironmentParts& parts, double directions) const {
     const double more = std::pow(parts.largest_standard_error / request_.tolerance, 1 / kLeastExponent);
     return std::min(neededRays(parts), request_.most_rays.value_or(INFINITY)) <
-           kReplicates * directions * more * kRaysOfDirection * double(ids_.of_polygon.size());
+           kReplicates * directions * more * raysOfDirection() * double(ids_.of_polygon.size());
+  }
+
+  double raysOfDirection() const {
+    return hasQuickRays(scene_, request_.tolerance) ? kQuickRaysOfDirection : kRaysOfDirection;
   }
 
   // Casts rays from all rows that miss the tolerance, until these reach it.
   //   In: replicates: of common directions, for the other rows
   EnvironmentParts measureByRays(std::vector<Counts> replicates, uint32_t directions) {
-    EnvironmentRays rays(scene_, ids_, request_.up, request_.seed);
+    EnvironmentRays rays(scene_, ids_, request_.up, request_.seed, request_.tolerance,
+                         request_.threads ? request_.threads : threadCount(), [this] {
+                           if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
+                           if (isTimeUp()) throw TimeUp{};
+                         });
     rays_of_row_.assign(ids_.count(), 0);
+    rays_cast_.assign(ids_.count(), 0);
     EnvironmentParts parts = partsOf(replicates, directions);
-    const size_t threads = request_.threads ? request_.threads : threadCount();
     for (;;) {
-      std::vector<uint32_t> rows, counts;
+      std::vector<EnvironmentRays::RowRays> rows;
       for (uint32_t row = 0; row < ids_.count(); ++row) {
         const double excess = largestError(parts, row) / request_.tolerance;
         const uint32_t before = rays_of_row_[row];
         if (excess <= 1 || before >= kMostRays) continue;
         const double growth = std::clamp(std::pow(excess / kMargin, 1 / kRayExponent), kLeastGrowth, kMostRayGrowth);
-        rows.push_back(row);
-        counts.push_back(before ? static_cast<uint32_t>(std::min(before * growth, double(kMostRays))) : kFirstRays);
-        rays.prepare(counts.back());
+        rows.push_back(
+            {row, before ? static_cast<uint32_t>(std::min(before * growth, double(kMostRays))) : kFirstRays, 0, {}});
       }
       parts.is_reached = parts.largest_standard_error <= request_.tolerance;
       if (rows.empty() || isTimeUp()) return parts;
-      const auto castFrom = [&](size_t, size_t k) {
-        std::vector<EnvironmentRays::Shares> shares;
-        for (uint32_t r = 0; r < replicates.size(); ++r) shares.push_back(rays.cast(rows[k], counts[k], r));
-        const double count_of_share = ids_.areas[rows[k]] / countArea(directions);
-        for (uint32_t r = 0; r < replicates.size(); ++r) {
-          replicates[r].up[rows[k]] = shares[r].up * count_of_share;
-          replicates[r].down[rows[k]] = shares[r].down * count_of_share;
-        }
-        rays_of_row_[rows[k]] = counts[k];
-      };
       try {
-        shareOut(threads, rows.size(), 1, castFrom, [&](size_t) {
-          if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
-          if (isTimeUp()) throw TimeUp{};
-        });
+        rays.cast(rows, static_cast<uint32_t>(replicates.size()));
       } catch (const TimeUp&) {
       }
+      for (const EnvironmentRays::RowRays& of : rows) takeRays(of, directions, replicates);
       parts = partsOf(replicates, directions);
       report(kReplicates, parts, directions);
     }
+  }
+
+  // Puts what rays have found in the place of a row's counts.
+  void takeRays(const EnvironmentRays::RowRays& of, uint32_t directions, std::vector<Counts>& replicates) {
+    if (of.replicates.empty()) return;
+    const double count_of_share = ids_.areas[of.row] / countArea(directions);
+    for (size_t r = 0; r < replicates.size(); ++r) {
+      replicates[r].up[of.row] = of.replicates[r].up * count_of_share;
+      replicates[r].down[of.row] = of.replicates[r].down * count_of_share;
+    }
+    rays_of_row_[of.row] = of.rays;
+    rays_cast_[of.row] = of.rays_cast;
   }
 
   double countArea(uint32_t directions) const { return 2 * unit_area_ / directions; }
@@ -274,7 +281,7 @@ class Measurement {
     for (uint32_t row = 0; row < ids_.count(); ++row) {
       if (rays_of_row_[row] == 0) continue;
       ++parts.rows_with_rays;
-      parts.rays += parts.replicates * rays_of_row_[row];
+      parts.rays += static_cast<uint64_t>(double(parts.replicates) * rays_cast_[row]);
       variance += std::pow(parts.all[row].standard_error, 2);
       binomial += binomialOf(parts.all[row].value, raysOf(row));
     }
@@ -350,7 +357,10 @@ class Measurement {
   double unit_area_ = 0;
   std::vector<double> lines_;  // of each row: lines of a direction that meet it, in the mean
   uint64_t rounds_ = 0;
-  std::vector<uint32_t> rays_of_row_;  // rays of a replicate, where the row has its own; else 0, or no rows at all
+  // Rays of a replicate, where the row has its own; else 0, or no rows at all. The first number is of rays of equal
+  // weight that would say as much.
+  std::vector<uint32_t> rays_of_row_;
+  std::vector<double> rays_cast_;
 };
 
 }  // namespace

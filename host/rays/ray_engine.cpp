@@ -96,6 +96,7 @@ class TreeRayEngine : public RayEngine {
     return countFrom(directions, block_directions, &blocks);
   }
   void setRays(std::vector<uint32_t> rays) override { rays_ = std::move(rays); }
+  void setHorizon(const dvec3& up) override { up_ = pointOf(up); }
   const std::vector<uint32_t>& rays() const override { return rays_; }
   double raysOfReplicate(size_t directions) const override {
     double rays = 0;
@@ -108,9 +109,9 @@ class TreeRayEngine : public RayEngine {
  private:
   // Hits are the ends of a polygon's rays of one block.
   struct Hits {
-    std::vector<uint32_t> of_polygon;  // by polygon: rays that end on it; empty where only the outside counts
-    std::vector<uint32_t> polygons;    // with rays, in any order
-    uint64_t environment = 0, leak = 0;
+    std::vector<uint32_t> of_polygon;    // by polygon: rays that end on it; empty where only the outside counts
+    std::vector<uint32_t> polygons;      // with rays, in any order
+    uint64_t environment = 0, leak = 0;  // with a horizon: the environment above and below it
   };
   // A Worker is what one thread needs, and what it has counted.
   struct Worker {
@@ -136,6 +137,12 @@ class TreeRayEngine : public RayEngine {
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Floats>
   void cast(const Emitter& from, uint32_t plane, const RayBundle& bundle, std::vector<Hits>& hits) const;
+  // Adds a ray that leaves the scene.
+  void addOutside(const Point& direction, Hits& hits) const {
+    ++(up_ && dot(direction, *up_) <= 0 ? hits.leak : hits.environment);
+  }
+  // Adds a ray that ends on a back.
+  void addLeak(Hits& hits) const { hits.leak += !up_; }
   static void addHit(uint32_t polygon, Hits& hits) {
     if (!hits.of_polygon.empty() && hits.of_polygon[polygon]++ == 0) hits.polygons.push_back(polygon);
   }
@@ -155,6 +162,7 @@ class TreeRayEngine : public RayEngine {
   std::vector<bool> slivers_;      // by polygon, whether it isSliver()
   std::optional<Sight> sight_;     // where there are slivers
   std::vector<uint32_t> rays_;     // by id, of all sides; empty: as many as directions
+  std::optional<Point> up_;        // where there is a horizon
   RayBundle::Digits digits_;       // of as many Sobol' points as a side has had rays at most
 };
 
@@ -289,8 +297,8 @@ template <class Floats>
                                         : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
                                                                    : nullptr;
       Hits& of_block = hits[bundle.blockOf(first + static_cast<uint32_t>(lane))];
-      if (!end) ++of_block.environment;
-      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) ++of_block.leak;
+      if (!end) addOutside(direction, of_block);
+      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) addLeak(of_block);
       else addHit(end->polygon, of_block);
     }
   }
@@ -301,11 +309,11 @@ void TreeRayEngine::castFromSliver(uint32_t polygon, bool from_front, const RayB
                                    std::vector<Hits>& hits) const {
   for (uint32_t ray = 0; ray < bundle.size(); ++ray) {
     const auto u = [&](int d) { return double(bundle.numberOf(ray, d)); };
-    const Sight::End end = sight_->look(polygon, sight_->pointOn(polygon, u(2), u(3)),
-                                        sight_->directionFrom(polygon, from_front, 1 - u(0), u(1)));
+    const dvec3 direction = sight_->directionFrom(polygon, from_front, 1 - u(0), u(1));
+    const Sight::End end = sight_->look(polygon, sight_->pointOn(polygon, u(2), u(3)), direction);
     Hits& of_block = hits[bundle.blockOf(ray)];
-    if (end.polygon == Sight::kNothing) ++of_block.environment;
-    else if (!ids_.two_sided && !end.is_front) ++of_block.leak;
+    if (end.polygon == Sight::kNothing) addOutside(pointOf(direction), of_block);
+    else if (!ids_.two_sided && !end.is_front) addLeak(of_block);
     else addHit(end.polygon, of_block);
   }
 }

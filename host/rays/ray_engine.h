@@ -40,6 +40,9 @@ class RayEngine : public Engine {
   virtual const std::vector<uint32_t>& rays() const = 0;  // as set; empty: as many as directions
   // Returns the number of rays of all polygons in a call of count().
   virtual double raysOfReplicate(size_t directions) const = 0;
+  // Lets countOutside() count rays that leave the scene above the horizon as environment, and below it as leak. Rays
+  // that end on backs then count for nothing.    In: up: of any length above 0
+  virtual void setHorizon(const glm::dvec3& up) = 0;
   // Counts environment and leak alone, as countBlocks() does.
   //   In: blocks: uint32_t[ids], in how many of the first blocks polygons of an id have rays
   virtual std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions,

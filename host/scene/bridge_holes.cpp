@@ -20,12 +20,12 @@ struct Corner {
 };
 using Loop = std::vector<Corner>;
 
-double cross(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
+double crossProduct(glm::dvec2 a, glm::dvec2 b) { return a.x * b.y - a.y * b.x; }
 
 double twiceAreaOf(const Loop& loop) {
   double sum = 0;
   for (size_t k = 0; k < loop.size(); ++k)
-    sum += cross(loop[k].flat - loop[0].flat, loop[(k + 1) % loop.size()].flat - loop[0].flat);
+    sum += crossProduct(loop[k].flat - loop[0].flat, loop[(k + 1) % loop.size()].flat - loop[0].flat);
   return sum;
 }
 
@@ -33,12 +33,13 @@ double twiceAreaOf(const Loop& loop) {
 bool isInAngle(const Loop& loop, size_t k, glm::dvec2 p) {
   const glm::dvec2 at = loop[k].flat, before = loop[(k + loop.size() - 1) % loop.size()].flat - at,
                    after = loop[(k + 1) % loop.size()].flat - at, to = p - at;
-  const bool is_reflex = cross(after, before) < 0;
-  return is_reflex ? cross(after, to) >= 0 || cross(to, before) >= 0 : cross(after, to) >= 0 && cross(to, before) >= 0;
+  const bool is_reflex = crossProduct(after, before) < 0;
+  return is_reflex ? crossProduct(after, to) >= 0 || crossProduct(to, before) >= 0
+                   : crossProduct(after, to) >= 0 && crossProduct(to, before) >= 0;
 }
 
 bool isInTriangle(glm::dvec2 a, glm::dvec2 b, glm::dvec2 c, glm::dvec2 p) {
-  const double ab = cross(b - a, p - a), bc = cross(c - b, p - b), ca = cross(a - c, p - c);
+  const double ab = crossProduct(b - a, p - a), bc = crossProduct(c - b, p - b), ca = crossProduct(a - c, p - c);
   return (ab >= 0 && bc >= 0 && ca >= 0) || (ab <= 0 && bc <= 0 && ca <= 0);
 }
 
@@ -76,7 +77,7 @@ bool isOnEdge(glm::dvec2 a, glm::dvec2 b, glm::dvec2 p) {
   constexpr double kRounding = 1e-12;  // of coordinates, over the edge's length: they have been turned into the plane
   const glm::dvec2 edge = b - a;
   const double squared = glm::dot(edge, edge), along = glm::dot(p - a, edge);
-  return along > 0 && along < squared && std::abs(cross(edge, p - a)) <= kRounding * squared;
+  return along > 0 && along < squared && std::abs(crossProduct(edge, p - a)) <= kRounding * squared;
 }
 
 // Puts a hole into the loop where a corner of the hole touches it. Returns false where none does.

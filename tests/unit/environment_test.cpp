@@ -7,6 +7,7 @@
 #include <viewpeel/environment.h>
 #include <viewpeel/error.h>
 
+#include "estimator/environment_rays.h"
 #include "reference/closed_forms/rectangles.h"
 #include "scenes/named_scenes.h"
 #include "stopwatch.h"
@@ -156,6 +157,8 @@ InputScene smallPlatesOverAFloor(uint32_t plates) {
 // that goes on for 40 at least, so the strip is at most atan(0.5 / 40) / 2 = 0.0062. Errors of eight replicates follow
 // Student's t of 7 degrees of freedom, or have less spread where they were made larger: the mean of z^2 over 64 plates
 // is below 7/5 + 4 sqrt(2 (7/5)^2 5 / 64) = 3.6.
+//
+// The rays are quick ones, in single precision.
 TEST(Environment, RowsThatDirectionsHardlyMeetHaveRays) {
   constexpr uint32_t kPlates = 64;
   const Scene scene = buildScene(smallPlatesOverAFloor(kPlates));
@@ -184,6 +187,46 @@ TEST(Environment, RowsThatDirectionsHardlyMeetHaveRays) {
   const EnvironmentParts both = measureEnvironment(scene, {.two_sided = true, .tolerance = 3e-3});
   EXPECT_GT(both.rows_with_rays, kPlates / 2);
   for (uint32_t k = 1; k <= kPlates; ++k) EXPECT_NEAR(both.up[k].value, 0.5, 6 * both.up[k].standard_error) << k;
+}
+
+TEST(Environment, FineTolerancesHaveRaysInDoublePrecision) {
+  constexpr uint32_t kPlates = 8;
+  constexpr double kTolerance = 9e-4;
+  const Scene scene = buildScene(smallPlatesOverAFloor(kPlates));
+  ASSERT_FALSE(hasQuickRays(scene, kTolerance));
+  ASSERT_TRUE(hasQuickRays(scene, 1e-3));
+  const EnvironmentParts parts = measureEnvironment(scene, {.tolerance = kTolerance});
+  EXPECT_TRUE(parts.is_reached);
+  EXPECT_GT(parts.rows_with_rays, kPlates / 2);
+  for (uint32_t k = 0; k < kPlates; ++k) {
+    const double truth = (1 + std::cos(std::numbers::pi * k / kPlates)) / 2;
+    // Student's t of 7 degrees of freedom exceeds 7 in size once in 4,700 cases.
+    EXPECT_NEAR(parts.up[k + 1].value, truth, 7 * parts.up[k + 1].standard_error) << k;
+  }
+}
+
+// By surface the plates are one row, whose polygons have rays in proportion to their areas.
+TEST(Environment, RaysOfASurfaceAreSharedByItsPolygons) {
+  constexpr uint32_t kPlates = 16;
+  InputScene input = smallPlatesOverAFloor(kPlates);
+  for (InputFace& face : input.faces) face.surface = std::min(face.surface, 1u);
+  input.surface_names.resize(2);
+  double sums = 0, weights = 0;
+  for (size_t k = 1; k < input.faces.size(); k += 2) {
+    // Every second plate is half as long, about its first edge.
+    std::vector<glm::dvec3>& c = input.faces[k].corners;
+    c[2] = (c[1] + c[2]) / 2.0, c[3] = (c[0] + c[3]) / 2.0;
+  }
+  for (uint32_t k = 0; k < kPlates; ++k) {
+    const double weight = k % 2 ? 1 : 0.5;
+    sums += weight * (1 + std::cos(std::numbers::pi * k / kPlates)) / 2, weights += weight;
+  }
+  const EnvironmentParts parts = measureEnvironment(buildScene(input), {.by = By::surface, .tolerance = 1e-3});
+  EXPECT_TRUE(parts.is_reached);
+  ASSERT_EQ(parts.up.size(), 2u);
+  EXPECT_NEAR(parts.ids.areas[1], weights * 0.01 * 0.01, 1e-12);
+  EXPECT_NEAR(parts.up[1].value, sums / weights, 7 * parts.up[1].standard_error);
+  EXPECT_GE(parts.rays, 8u * kPlates * RayEngine::kLeastRays);
 }
 
 // What is known of the whole environment leaves its division open. Then errors of the division alone count, and a run

@@ -110,6 +110,42 @@ TEST(RayEngine, OutsideCountsAreThatPartOfAllCounts) {
   }
 }
 
+// The same rays are counted with a horizon and without. A sliver of 8 x 1e-5 has its rays in double precision. Upwards
+// goes (1 + n_z) / 2 of what a polygon of normal n emits with nothing in the way.
+TEST(RayEngine, AHorizonDividesWhatLeavesTheScene) {
+  const Scene scene = buildScene({"plates",
+                                  {"tilted", "sliver", "facing", "back"},
+                                  {{{{0, 0, 0}, {0, 1, 0}, {0.6, 1, 0.8}, {0.6, 0, 0.8}}, 0},
+                                   {{{0, 90, 0}, {8, 90, 0}, {8, 90, 1e-5}, {0, 90, 1e-5}}, 1},
+                                   {{{50, 0, 0}, {51, 0, 0}, {51, 1, 0}, {50, 1, 0}}, 2},
+                                   {{{50, 0, 2}, {51, 0, 2}, {51, 1, 2}, {50, 1, 2}}, 3}}});
+  const Ids ids = makeIds(scene, By::polygon, false);
+  const std::unique_ptr<RayEngine> engine = makeRayEngine(scene, ids, {.thread_count = 2});
+  constexpr uint32_t kRays = 4096;
+  const std::vector<Direction> directions = sampleDirections(Sampler::iid, kRays, 3, 0);
+  const auto sharesOf = [&] {
+    std::vector<std::pair<double, double>> shares(ids.count());  // environment, leak
+    const std::vector<PairCounts> counts = engine->countOutside(directions, kRays, std::vector<uint32_t>(4, 1));
+    for (const PairCount& count : counts.front())
+      (count.j == kEnvironment ? shares[count.i].first : shares[count.i].second) =
+          2 * double(count.count) * engine->unitArea() * scene.scale * scene.scale / kRays / ids.areas[count.i];
+    return shares;
+  };
+  const auto whole = sharesOf();
+  engine->setHorizon({0, 0, 2});
+  const auto divided = sharesOf();
+  constexpr double kRounding = 1e-3;  // of a count, of which the sliver has 2^14
+  for (uint32_t id = 0; id < 4; ++id)
+    EXPECT_NEAR(divided[id].first + divided[id].second, whole[id].first, kRounding) << id;
+  // 4,096 independent rays err by 1/128 at most, and these by less: six times this are a chance of 1e-9.
+  constexpr double kError = 6.0 / 128;
+  EXPECT_NEAR(divided[0].first, (1 - 0.6) / 2, kError);  // the front of `tilted` looks down
+  EXPECT_NEAR(divided[1].first, 0.5, kError);
+  EXPECT_GT(whole[2].second, 0.05);  // what `facing` sends to the back of `back`
+  EXPECT_EQ(divided[2].second, 0);   // and not below the horizon
+  EXPECT_NEAR(divided[3].first, 1, kRounding);
+}
+
 TEST(RayEngine, NumbersOfRaysAreEnoughAndFillTheLanes) {
   for (const auto& [at_least, rays] :
        {std::pair(0.0, 16), {16, 16}, {16.5, 32}, {33, 48}, {48, 48}, {48.1, 64}, {65, 96}, {97, 128}, {769, 1024}})
