@@ -29,6 +29,13 @@ double twiceAreaOf(const Loop& loop) {
   return sum;
 }
 
+// Returns a ring without corners that repeat the corner before.
+std::vector<glm::dvec3> withoutRepeats(std::vector<glm::dvec3> ring) {
+  ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
+  while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
+  return ring;
+}
+
 // Returns whether p lies in the angle that the loop's interior has at corner k.
 bool isInAngle(const Loop& loop, size_t k, glm::dvec2 p) {
   const glm::dvec2 at = loop[k].flat, before = loop[(k + loop.size() - 1) % loop.size()].flat - at,
@@ -109,7 +116,9 @@ bool joinByBridge(Loop& loop, const Loop& hole) {
 
 }  // namespace
 
-BridgedFace bridgeHoles(const std::vector<std::vector<glm::dvec3>>& rings) {
+BridgedFace bridgeHoles(const std::vector<std::vector<glm::dvec3>>& given) {
+  std::vector<std::vector<glm::dvec3>> rings;
+  for (const std::vector<glm::dvec3>& ring : given) rings.push_back(withoutRepeats(ring));
   std::vector<glm::dvec3> all;
   for (const std::vector<glm::dvec3>& ring : rings) all.insert(all.end(), ring.begin(), ring.end());
   const std::vector<glm::dvec2> flat = flatten(all, glm::normalize(twiceVectorArea(rings.front())));
@@ -120,6 +129,7 @@ BridgedFace bridgeHoles(const std::vector<std::vector<glm::dvec3>>& rings) {
   }
   Loop face = std::move(loops.front());
   loops.erase(loops.begin());
+  std::erase_if(loops, [](const Loop& hole) { return twiceAreaOf(hole) == 0; });
   for (Loop& hole : loops) {
     if (twiceAreaOf(hole) > 0) std::ranges::reverse(hole);
     std::rotate(hole.begin(), std::ranges::max_element(hole, {}, [](const Corner& c) { return c.flat.x; }), hole.end());

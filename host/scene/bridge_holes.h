@@ -17,8 +17,8 @@ struct BridgedFace {
 // does, a bridge goes from the hole's corner that is farthest along one axis of the face's plane to a corner that this
 // one sees.
 //   In: rings: first the outer one, counter-clockwise seen from the front, whose vector area is not zero; then holes,
-//     either way round, each of three or more corners; rings may touch at a point
-//   Error: none; corners stay as they are.    Cost: O(corners^2).
+//     either way round; holes without an area do not count; rings may touch at a point
+//   Error: none; corners stay as they are, without repeated ones.    Cost: O(corners^2).
 //   Source: D. Eberly, Triangulation by ear clipping, Geometric Tools 1998, section 5.
 BridgedFace bridgeHoles(const std::vector<std::vector<glm::dvec3>>& rings);
 

@@ -233,7 +233,6 @@ class CityJsonReader {
       if (!ring.is_array()) refuse("a ring is no list of vertices");
       Points& loop = loops.emplace_back();
       for (const Json& index : ring) loop.push_back(cornerAt(index));
-      if (loop.size() < 3 && loops.size() > 1) loops.pop_back();  // a hole without an area
     }
     InputFace face{{}, surfaceOf(type.empty() ? id_ : id_ + "/" + type), place_.line};
     if (loops.size() > 1 && glm::length(twiceVectorArea(loops.front())) > 0) {
@@ -269,6 +268,7 @@ class CityJsonReader {
   }
 
   InputScene finished() {
+    place_.line = 0;
     requireFaces();
     warn(objects_left_out_, "object has no surfaces at a level of detail that is read, and is left out",
          "objects have no surfaces at a level of detail that is read, and are left out");

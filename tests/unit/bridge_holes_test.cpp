@@ -108,6 +108,17 @@ TEST(BridgeHoles, OneAboveAnotherAtTheSamePlace) {
   expectTiles(tower, piecesOf(tower));
 }
 
+TEST(BridgeHoles, RepeatedCornersAndHolesWithoutAnAreaDoNotCount) {
+  const std::vector<Ring> wall{rectangle(0, 0, 4, 4), rectangle(1, 1, 2, 2)};
+  std::vector<Ring> careless = wall;
+  careless[0].push_back(careless[0].front());
+  careless[1].insert(careless[1].begin() + 2, careless[1][1]);
+  careless.push_back({{3, 3, 0}, {3, 3, 0}, {3, 3, 0}});
+  careless.push_back({{3, 1, 0}, {3, 2, 0}});
+  careless.push_back({});
+  EXPECT_EQ(bridgeHoles(careless).corners, bridgeHoles(wall).corners);
+}
+
 TEST(BridgeHoles, AHoleOutsideIsLeftOut) {
   const std::vector<Ring> wall{rectangle(0, 0, 4, 4), rectangle(1, 1, 2, 2)};
   std::vector<Ring> with_another = wall;
