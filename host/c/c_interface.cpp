@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <exception>
+#include <filesystem>
 #include <memory>
 #include <new>
 #include <string>
@@ -117,11 +118,14 @@ viewpeel::Request requestOf(const viewpeel_options& options) {
   if (options.seconds != 0) request.time_limit_s = options.seconds;
   const bool is_guarantee = options.epsilon != 0, is_estimate = options.tolerance != 0 || options.relative != 0;
   if (is_guarantee && is_estimate) refuse("epsilon beside tolerance or relative: a guarantee is a goal of its own");
+  if (options.rms != 0 && (is_guarantee || is_estimate)) refuse("rms beside another goal: it is a goal of its own");
   if (!is_guarantee && options.delta != 0) refuse("delta belongs to a guarantee; give epsilon, too");
   if (is_guarantee) {
     EpsilonDelta guarantee{.epsilon = options.epsilon};
     if (options.delta != 0) guarantee.delta = options.delta;
     request.goal = guarantee;
+  } else if (options.rms != 0) {
+    request.goal = RootMeanSquare{options.rms};
   } else if (options.tolerance != 0) {
     request.goal = Tolerance{options.tolerance, options.relative != 0 ? std::optional(options.relative) : std::nullopt};
   } else if (options.relative != 0) {
@@ -152,6 +156,19 @@ viewpeel_status viewpeel_load_scene(const char* file, viewpeel_scene** scene) {
   return attempt([&] {
     requireGiven(file, "file"), requireGiven(scene, "scene");
     *scene = new viewpeel_scene{std::make_shared<const viewpeel::Scene>(viewpeel::loadScene(file))};
+    return VIEWPEEL_OK;
+  });
+}
+
+viewpeel_status viewpeel_load_scene_files(const char* const* files, size_t file_count, viewpeel_scene** scene) {
+  return attempt([&] {
+    requireGiven(files, "files"), requireGiven(scene, "scene");
+    std::vector<std::filesystem::path> paths;
+    for (size_t k = 0; k < file_count; ++k) {
+      requireGiven(files[k], "a file");
+      paths.emplace_back(files[k]);
+    }
+    *scene = new viewpeel_scene{std::make_shared<const viewpeel::Scene>(viewpeel::loadScene(paths))};
     return VIEWPEEL_OK;
   });
 }

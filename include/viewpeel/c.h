@@ -54,6 +54,7 @@ typedef struct viewpeel_options {
   int (*should_stop)(void* context);
   void* context;
   int promise; /* the tolerance, as viewpeel::Request::promise. 0: where it costs little; 1: on; -1: off */
+  double rms;  /* root mean square of the standard errors of all form factors; a goal of its own */
 } viewpeel_options;
 
 /* Rows are compressed sparse rows of form factors: entries of row i are from starts[i] to starts[i + 1] - 1. */
@@ -75,6 +76,11 @@ VIEWPEEL_API const char* viewpeel_version(void);
  *   Error: corners to 1 ulp of the unit ball. Tests: tests/c.
  *   Returns: BAD_INPUT.    Cost: O(corners log corners). */
 VIEWPEEL_API viewpeel_status viewpeel_load_scene(const char* file, viewpeel_scene** scene);
+/* Reads several files into one scene, each with some of its parts, as viewpeel::loadScene for several files.
+ *   In: files: file_count names    Out, Error, Cost: as viewpeel_load_scene.
+ *   Returns: BAD_INPUT; BAD_USAGE for no file, a file that is named twice, or a format that is a whole scene. */
+VIEWPEEL_API viewpeel_status viewpeel_load_scene_files(const char* const* files, size_t file_count,
+                                                       viewpeel_scene** scene);
 /* Makes a scene of arrays, as viewpeel::buildScene.
  *   In: points: 3 x point_count coordinates, in any unit; corners: indices of points from 0, polygon after polygon,
  *     counter-clockwise seen from the front; starts: polygon_count + 1, corners of polygon k are from starts[k] to
