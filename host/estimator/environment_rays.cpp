@@ -17,12 +17,15 @@ namespace {
 
 // The numbers of these replicates follow those of the common directions of measureEnvironment().
 constexpr uint64_t kFirstReplicate = kEnvironmentReplicates.first + (uint64_t(1) << 20), kReplicatesOfRow = 16;
-// Quick rays may err by 2^-12 at an edge (ray_engine.h). This tolerance is four times as large.
-constexpr double kLeastTolerance = 0x1p-10;
+// About so many quick rays are cast in one call, which takes some seconds. Where time is up, those of the last one are
+// lost.
+constexpr double kMostRaysAtOnce = 1 << 24;
 
 }  // namespace
 
-bool hasQuickRays(const Scene& scene, double tolerance) { return tolerance >= kLeastTolerance && suitsRays(scene); }
+bool hasQuickRays(const Scene& scene, double tolerance) {
+  return tolerance >= kLeastQuickTolerance && suitsRays(scene);
+}
 
 EnvironmentRays::EnvironmentRays(const Scene& scene, const Ids& ids, const glm::dvec3& up, uint64_t seed,
                                  double tolerance, size_t threads, std::function<void()> stop)
@@ -51,7 +54,17 @@ EnvironmentRays::EnvironmentRays(const Scene& scene, const Ids& ids, const glm::
 
 void EnvironmentRays::cast(std::vector<RowRays>& rows, uint32_t replicates) {
   if (rows.empty()) return;
-  if (engine_) return castQuickly(rows, replicates);
+  if (engine_) {
+    for (size_t first = 0; first < rows.size();) {
+      size_t end = first;
+      for (double all = 0; end < rows.size() && all < kMostRaysAtOnce; ++end)
+        all += double(replicates) *
+               std::max(rows[end].rays, RayEngine::kLeastRays * uint32_t(polygons_[rows[end].row].size()));
+      castQuickly(std::span(rows).subspan(first, end - first), replicates);
+      first = end;
+    }
+    return;
+  }
   preparePoints(std::ranges::max(rows, {}, &RowRays::rays).rays);
   shareOut(
       threads_, rows.size(), 1,
@@ -64,7 +77,7 @@ void EnvironmentRays::cast(std::vector<RowRays>& rows, uint32_t replicates) {
       [&](size_t) { stop_(); });
 }
 
-void EnvironmentRays::castQuickly(std::vector<RowRays>& rows, uint32_t replicates) {
+void EnvironmentRays::castQuickly(std::span<RowRays> rows, uint32_t replicates) {
   std::vector<uint32_t> of_faces(face_ids_.count(), RayEngine::kLeastRays), blocks(face_ids_.count());
   std::vector<uint32_t> place(ids_.count());  // by row: where it stands among the rows
   for (uint32_t k = 0; k < rows.size(); ++k) {

@@ -171,21 +171,32 @@ class Measurement {
     return hasQuickRays(scene_, request_.tolerance) ? kQuickRaysOfDirection : kRaysOfDirection;
   }
 
-  // Casts rays from all rows that miss the tolerance, until these reach it.
+  // Casts rays from all rows that miss the tolerance, until these reach it. Where the tolerance is too fine for quick
+  // rays, they go as far as they can, so that other rays begin with known errors, or a time limit with small ones.
   //   In: replicates: of common directions, for the other rows
   EnvironmentParts measureByRays(std::vector<Counts> replicates, uint32_t directions) {
-    EnvironmentRays rays(scene_, ids_, request_.up, request_.seed, request_.tolerance,
+    rays_of_row_.assign(ids_.count(), 0);
+    rays_cast_.assign(ids_.count(), 0);
+    EnvironmentParts parts = partsOf(replicates, directions);
+    const double of_quick = std::max(request_.tolerance, kLeastQuickTolerance);
+    const bool has_quick = hasQuickRays(scene_, of_quick);
+    if (has_quick) castTo(of_quick, directions, replicates, parts);
+    if (!has_quick || request_.tolerance < of_quick) castTo(request_.tolerance, directions, replicates, parts);
+    return parts;
+  }
+
+  // Casts rays from all rows that miss this tolerance, until these reach it, or time is up.
+  //   In, Out: replicates, parts: the results so far
+  void castTo(double tolerance, uint32_t directions, std::vector<Counts>& replicates, EnvironmentParts& parts) {
+    EnvironmentRays rays(scene_, ids_, request_.up, request_.seed, tolerance,
                          request_.threads ? request_.threads : threadCount(), [this] {
                            if (observer_.should_stop && observer_.should_stop()) throw Interrupted{};
                            if (isTimeUp()) throw TimeUp{};
                          });
-    rays_of_row_.assign(ids_.count(), 0);
-    rays_cast_.assign(ids_.count(), 0);
-    EnvironmentParts parts = partsOf(replicates, directions);
     for (;;) {
       std::vector<EnvironmentRays::RowRays> rows;
       for (uint32_t row = 0; row < ids_.count(); ++row) {
-        const double excess = largestError(parts, row) / request_.tolerance;
+        const double excess = largestError(parts, row) / tolerance;
         const uint32_t before = rays_of_row_[row];
         if (excess <= 1 || before >= kMostRays) continue;
         const double growth = std::clamp(std::pow(excess / kMargin, 1 / kRayExponent), kLeastGrowth, kMostRayGrowth);
@@ -193,7 +204,7 @@ class Measurement {
             {row, before ? static_cast<uint32_t>(std::min(before * growth, double(kMostRays))) : kFirstRays, 0, {}});
       }
       parts.is_reached = parts.largest_standard_error <= request_.tolerance;
-      if (rows.empty() || isTimeUp()) return parts;
+      if (rows.empty() || isTimeUp()) return;
       try {
         rays.cast(rows, static_cast<uint32_t>(replicates.size()));
       } catch (const TimeUp&) {

@@ -70,7 +70,7 @@ struct EnvironmentParts {
 //   Throws: Error bad_usage for a direction up of length 0 or a tolerance that is not above 0; Error limit where the
 //     observer stops the run.
 //   Cost: as many directions as the tolerance takes, up to 2^19 in all; each is a sweep of the scene. A row has up to
-//     2^19 rays of 2 us, or of some 0.15 us at tolerances from 2^-10 on.
+//     2^19 rays of 2 us, or of some 0.15 us until its error is 2^-10.
 EnvironmentParts measureEnvironment(const Scene& scene, const EnvironmentRequest& request,
                                     const Observer& observer = {});
 
