@@ -13,10 +13,11 @@ void requireShallow(const std::string& text, const FilePlace& place) {
   }
 }
 
-nlohmann::ordered_json parseJson(const std::string& text, const FilePlace& place) {
+nlohmann::ordered_json parseJson(const std::string& text, const FilePlace& place,
+                                 const nlohmann::ordered_json::parser_callback_t& callback) {
   requireShallow(text, place);
   try {
-    return nlohmann::ordered_json::parse(text);
+    return nlohmann::ordered_json::parse(text, callback);
   } catch (const nlohmann::json::exception& error) {
     const auto* fault = dynamic_cast<const nlohmann::json::parse_error*>(&error);
     const size_t byte = fault ? std::min(fault->byte, text.size()) : 0;

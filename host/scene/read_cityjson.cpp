@@ -6,6 +6,8 @@
 #include <iterator>
 #include <optional>
 #include <unordered_map>
+#include <utility>
+#include <vector>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -54,7 +56,7 @@ class CityJsonReader {
 
   InputScene readFile() {
     std::ifstream in(file_, std::ios::binary);
-    readModel(parseJson({std::istreambuf_iterator<char>(in), {}}, place_));
+    readModel(parse({std::istreambuf_iterator<char>(in), {}}));
     return finished();
   }
 
@@ -65,7 +67,7 @@ class CityJsonReader {
     while (std::getline(in, line)) {
       ++place_.line;
       if (line.find_first_not_of(" \t\r") == std::string::npos) continue;
-      const Json document = parseJson(line, place_);
+      const Json document = parse(line);
       if (has_model_) readFeature(document);
       else readModel(document);
     }
@@ -82,6 +84,21 @@ class CityJsonReader {
     glm::dmat4 matrix{1};
     glm::dvec3 place{0};
   };
+
+  // Parses a document, and takes its objects out of it: a list of all of them would be searched for each new one.
+  //   Out: the document without its objects, which are in objects_
+  Json parse(const std::string& text) {
+    objects_.clear();
+    std::string member, id;  // where the parser is: in which member of the document, and in which object
+    return parseJson(text, place_, [&](int depth, Json::parse_event_t event, Json& parsed) {
+      if (event == Json::parse_event_t::key && depth == 1) member = parsed.get<std::string>();
+      if (member != "CityObjects") return true;
+      if (event == Json::parse_event_t::key && depth == 2) id = parsed.get<std::string>();
+      if (event != Json::parse_event_t::object_end || depth != 2) return true;
+      objects_.emplace_back(id, std::move(parsed));
+      return false;
+    });
+  }
 
   void readModel(const Json& document) {
     if (textOf(memberOf(document, "type")) != "CityJSON")
@@ -123,10 +140,10 @@ class CityJsonReader {
 
   // Adds the objects of a model or of a feature, each of which has its own vertices.
   void addObjects(const Json& document) {
-    const Json& objects = memberOf(document, "CityObjects");
-    if (!objects.is_object()) place_.refuse("there are no 'CityObjects'; export the file again");
+    if (!memberOf(document, "CityObjects").is_object())
+      place_.refuse("there are no 'CityObjects'; export the file again");
     points_ = pointsOf(memberOf(document, "vertices"), frame_);
-    for (const auto& [id, object] : objects.items()) {
+    for (const auto& [id, object] : objects_) {
       id_ = id;
       addObject(object);
     }
@@ -290,6 +307,7 @@ class CityJsonReader {
   std::unordered_map<std::string, uint32_t> surfaces_;
   bool has_model_ = false;
   Frame frame_;
+  std::vector<std::pair<std::string, Json>> objects_;  // of the document that is read, with their identifiers
   Json templates_;
   Points points_, template_points_;
   std::string id_;                           // of the object that is read

@@ -208,6 +208,17 @@ TEST_F(CityJson, ASequenceHasAFeatureOnEachLine) {
             ":2: object 'a': 1 is not the index of one of 1 vertices, counted from 0; export the file again");
 }
 
+// Members of objects may have the names of members of the document, and members that are not objects do not count.
+TEST_F(CityJson, ObjectsStandInTheOrderOfTheFile) {
+  const auto road = [](const std::string& id, const std::string& corners, const std::string& more = "") {
+    return object(id, "Road", "{\"type\":\"MultiSurface\",\"lod\":\"1\",\"boundaries\":[[[" + corners + "]]]}", more);
+  };
+  const std::string objects = road("z", "0,1,2", ",\"attributes\":{\"CityObjects\":{\"no\":{\"geometry\":[]}}}") +
+                              ",\"nothing\":7," + road("a", "4,5,6") + "," + road("m", "0,3,7");
+  EXPECT_EQ(idsOf(model(objects, std::string(kVertices) + ",\"extra\":{\"x\":{\"y\":{}}}")).names,
+            (Names{"z", "a", "m"}));
+}
+
 TEST_F(CityJson, BadFilesAreNamedInOneLine) {
   const auto road = [](const std::string& geometry) { return model(object("r", "Road", geometry)); };
   const auto surface = [&](const std::string& boundaries) {
