@@ -29,13 +29,6 @@ double twiceAreaOf(const Loop& loop) {
   return sum;
 }
 
-// Returns a ring without corners that repeat the corner before.
-std::vector<glm::dvec3> withoutRepeats(std::vector<glm::dvec3> ring) {
-  ring.erase(std::unique(ring.begin(), ring.end()), ring.end());
-  while (ring.size() > 1 && ring.back() == ring.front()) ring.pop_back();
-  return ring;
-}
-
 // Returns whether p lies in the angle that the loop's interior has at corner k.
 bool isInAngle(const Loop& loop, size_t k, glm::dvec2 p) {
   const glm::dvec2 at = loop[k].flat, before = loop[(k + loop.size() - 1) % loop.size()].flat - at,
@@ -134,7 +127,8 @@ BridgedFace bridgeHoles(const std::vector<std::vector<glm::dvec3>>& given) {
     if (twiceAreaOf(hole) > 0) std::ranges::reverse(hole);
     std::rotate(hole.begin(), std::ranges::max_element(hole, {}, [](const Corner& c) { return c.flat.x; }), hole.end());
   }
-  // A ray from the rightmost hole meets the outer ring alone, or holes that are bridged already.
+  // Holes are joined from right to left. So a ray to the right of a hole meets the outer ring, or holes that are joined
+  // already.
   std::ranges::sort(loops, std::greater(), [](const Loop& hole) { return hole.front().flat.x; });
   BridgedFace bridged;
   for (Loop& hole : loops)

@@ -60,12 +60,8 @@ void fitUnitBall(const InputScene& input, Scene& scene) {
 // Returns the corners of a face, without corners that repeat the corner before.
 std::vector<glm::dvec3> distinctCorners(const InputFace& face, const Scene& scene) {
   std::vector<glm::dvec3> corners;
-  for (const glm::dvec3& input : face.corners) {
-    const glm::dvec3 corner = (input - scene.centre) / scene.scale;
-    if (corners.empty() || corner != corners.back()) corners.push_back(corner);
-  }
-  while (corners.size() > 1 && corners.back() == corners.front()) corners.pop_back();
-  return corners;
+  for (const glm::dvec3& input : face.corners) corners.push_back((input - scene.centre) / scene.scale);
+  return withoutRepeats(std::move(corners));
 }
 
 // Returns whether a face is wider than the rounding of its coordinates in a cross product of edges. A coordinate is

@@ -142,6 +142,12 @@ Pieces mergePieces(const Flat& flat, Pieces pieces) {
 
 }  // namespace
 
+std::vector<glm::dvec3> withoutRepeats(std::vector<glm::dvec3> loop) {
+  loop.erase(std::unique(loop.begin(), loop.end()), loop.end());
+  while (loop.size() > 1 && loop.back() == loop.front()) loop.pop_back();
+  return loop;
+}
+
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners) {
   glm::dvec3 sum(0);
   for (size_t k = 1; k + 1 < corners.size(); ++k)

@@ -20,6 +20,9 @@ using Pieces = std::vector<std::vector<uint32_t>>;
 // Returns twice the vector area, by Newell's formula. Its direction is the mean normal.
 glm::dvec3 twiceVectorArea(const std::vector<glm::dvec3>& corners);
 
+// Returns a loop without corners that repeat the corner before.
+std::vector<glm::dvec3> withoutRepeats(std::vector<glm::dvec3> loop);
+
 // Returns corners in the plane orthogonal to a unit normal, with the first one at the origin. Loops that run
 // counter-clockwise about the normal do so in the plane.
 std::vector<glm::dvec2> flatten(const std::vector<glm::dvec3>& corners, const glm::dvec3& normal);
