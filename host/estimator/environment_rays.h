@@ -17,11 +17,11 @@
 
 namespace viewpeel {
 
-// Returns whether a RayEngine casts the rays, in single precision. It takes some 0.15 us a ray, in place of 2 us, where
-// the scene suits it and its error near edges is small against the tolerance, a standard error.
-bool hasQuickRays(const Scene& scene, double tolerance);
-// Quick rays may err by 2^-12 at an edge (ray_engine.h). This tolerance is four times as large.
+// Quick rays are those of a RayEngine, in single precision: some 0.15 us a ray in place of 2 us. They may err by 2^-12
+// at an edge (ray_engine.h). The least tolerance for them, a standard error, is four times as large.
 inline constexpr double kLeastQuickTolerance = 0x1p-10;
+// Returns whether the scene suits quick rays, and the tolerance is large enough for them.
+bool hasQuickRays(const Scene& scene, double tolerance);
 
 class EnvironmentRays {
  public:
@@ -42,10 +42,10 @@ class EnvironmentRays {
   };
   // Casts rays from rows: starts uniform over the row, directions of the cosine law. Rows that an exception from stop()
   // leaves out have no replicates.
-  //   Method: Sobol' points. A RayEngine takes them in four dimensions, scrambled for each polygon and replicate; the
-  //     polygons of a row have rays in proportion to their areas, and at least RayEngine::kLeastRays. Otherwise they
-  //     have five dimensions, one of which chooses the polygon, shifted modulo 1 for each row and replicate (Cranley
-  //     and Patterson 1976).
+  //   Method: Sobol' points. Quick rays take points of four dimensions, scrambled for each polygon and replicate. Each
+  //     polygon of a row has rays in proportion to its area, and at least RayEngine::kLeastRays. Other rays take points
+  //     of five dimensions, one of which chooses the polygon. These points are shifted modulo 1, for each row and
+  //     replicate apart (Cranley and Patterson 1976).
   //   Error: unbiased, but for the quick rays' error near edges    Cost: O(log polygons) a ray.
   void cast(std::vector<RowRays>& rows, uint32_t replicates);
 

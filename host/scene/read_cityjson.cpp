@@ -27,9 +27,10 @@ using Points = std::vector<glm::dvec3>;
 constexpr double kUsualLevel = 1;        // of a geometry that does not state its level of detail
 constexpr double kLeastOfBuildings = 1;  // a building's geometries below this level are footprints and roof outlines
 
+const Json kNull;
+
 // Returns a member of an object; a null where it has none.
 const Json& memberOf(const Json& object, const char* name) {
-  static const Json kNull;
   if (!object.is_object()) return kNull;
   const auto found = object.find(name);
   return found == object.end() ? kNull : *found;
@@ -232,7 +233,6 @@ class CityJsonReader {
   void addSurfaces(const Json& boundaries, const Json& values, int depth) {
     if (!boundaries.is_array()) refuse("its boundaries are not lists of lists");
     if (depth == 0) return addSurface(boundaries, values);
-    static const Json kNull;
     for (size_t k = 0; k < boundaries.size(); ++k)
       addSurfaces(boundaries[k], values.is_array() && k < values.size() ? values[k] : kNull, depth - 1);
   }
@@ -262,7 +262,7 @@ class CityJsonReader {
     scene_.faces.push_back(std::move(face));
   }
 
-  // Returns the surface of a name, which is made where it is new.
+  // Returns the index of the surface with this name. The surface is added where the name is new.
   uint32_t surfaceOf(const std::string& name) {
     const auto [found, is_new] = surfaces_.try_emplace(name, static_cast<uint32_t>(scene_.surface_names.size()));
     if (is_new) scene_.surface_names.push_back(name);

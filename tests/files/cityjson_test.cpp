@@ -113,7 +113,7 @@ TEST_F(CityJson, WindowsAreHolesInWalls) {
   const Result cut = computeFormFactors(scene_, request);
   idsOf(room("[[0,4,5,1]]", "1"));
   const Result whole = computeFormFactors(scene_, request);
-  // Nothing can block a pair of a convex room, so that all values are exact, but for roundings and the corners' 3e-11.
+  // In a convex room nothing blocks a pair, so that all values are exact but for roundings.
   for (uint32_t from = 0; from < 3; ++from)
     EXPECT_NEAR(cut.form_factors.formFactor(from, 3).value + cut.form_factors.formFactor(from, 4).value,
                 whole.form_factors.formFactor(from, 3).value, 1e-9);

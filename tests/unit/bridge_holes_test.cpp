@@ -27,7 +27,7 @@ bool isWithin(const Ring& ring, const glm::dvec3& p) {
   return within;
 }
 
-// Returns the pieces of a face with holes, as rings.
+// Cuts a face with holes into convex pieces. Returns the corners of each piece.
 std::vector<Ring> piecesOf(const std::vector<Ring>& rings, size_t holes_outside = 0) {
   const BridgedFace bridged = bridgeHoles(rings);
   EXPECT_EQ(bridged.holes_outside, holes_outside);
@@ -126,7 +126,7 @@ TEST(BridgeHoles, AHoleOutsideIsLeftOut) {
   expectTiles(wall, piecesOf(with_another, 1));
 }
 
-// Star-shaped holes in the cells of a grid, within a star-shaped or notched outer ring, at any angle.
+// A square with two notches has a star-shaped hole in each cell of a grid. The whole is turned by any angle.
 TEST(BridgeHoles, RandomFaces) {
   Random random(7);
   const auto star = [&](double x, double y, double most, int corners) {
@@ -141,7 +141,7 @@ TEST(BridgeHoles, RandomFaces) {
   for (int trial = 0; trial < 200; ++trial) {
     const int side = 1 + trial % 4;
     const double width = 2.0 * side, notch = random.uniform(0, 0.9);
-    // The notch ends within the margin beside the holes.
+    // Between the grid and the sides of the square is a margin of 1, and the notches are less deep.
     std::vector<Ring> rings{{{-1, -1, 0},
                              {width + 1, -1, 0},
                              {width + 1 - notch, width / 3, 0},
