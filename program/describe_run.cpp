@@ -112,7 +112,7 @@ std::string describeExpectation(const Request& request, const PlanSummary& plan)
 std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& plan, uint64_t seed) {
   if (lines.least_form_factor >= 1)
     return fmt::format(
-        "pairs      no lines of their own: between surfaces rays take less time (planned in {})\n"
+        "pairs      no lines of their own: rays take less time (planned in {})\n"
         "sampling   up to {} of each polygon a replicate, for all pairs, environment and leak; seed {}\n",
         inWords(lines.seconds), counted(plan.directions, "ray"), seed);
   std::string text =

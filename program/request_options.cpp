@@ -46,7 +46,7 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
       ->check([](const std::string& text) { return isNumber(text, 0, 1); })
       ->capture_default_str();
   addGoal("--rms", options->rms,
-          "For sums of many form factors: the root mean square of the standard errors of all pairs is at most this, "
+          "For sums of many form factors: the root mean square of the errors of all pairs is at most this, "
           "whatever the largest error",
           "R");
   addGoal("--seconds", options->seconds,

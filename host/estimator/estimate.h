@@ -37,7 +37,7 @@ struct EstimateOptions {
   // `relative_floor`.
   std::optional<double> relative;
   double relative_floor = 0.01;
-  // A goal without the others: the root mean square of the standard errors of all form factors between rows, zeros
+  // A goal without the others: the root mean square of the errors in sums of all form factors between rows, zeros
   // included.
   std::optional<double> rms;
   // The run starts no replicate that would end after this time, even if fewer than `replicates` are done. A run has two

@@ -28,7 +28,9 @@ constexpr double kSecondsOfClear = 2e-7, kSecondsOfBlocked = 8.5e-6, kSecondsOfH
 constexpr double kSecondsOfCount = 4.5e-7;  // of a pair that a common direction counts
 constexpr double kMostFacingPairs = 1e8;    // finding what is between more pairs takes minutes
 // Between surfaces a mixture with rays costs these for each face, and for each pair that it finds, beside the rays.
-// They fit cities of 8,936 and 19,994 triangles at 0.1 to 1e-3.
+// They fit cities of 8,936 and 19,994 triangles at 0.1 to 1e-3. The latter also says which pairs have lines where the
+// goal is the root mean square of all errors. A third, or 30 times as much, took as long in an office of 2,320 polygons
+// and a city of 2,892 at 1e-3 to 1e-4.
 constexpr double kSecondsOfFaceBesideRays = 3e-4, kSecondsOfPairBesideRays = 1.5e-5;
 // A ray takes 0.1 us. The rest is its part in sums, and in further rays of rows that miss the goal: three cities of
 // 4,202 to 8,592 polygons at 0.01.
@@ -75,9 +77,19 @@ LineMixture mixtureFor(const EstimateOptions& options, double mean_area) {
   return mixture;
 }
 
+double leastFormFactorBesideRays(const EstimateOptions& options, size_t face_count) {
+  if (!options.rms) return options.leastAllowedError() / kMostOfCounted;
+  return std::min(kAllCounted, kSecondsOfPairBesideRays / secondsOfRays(raysForRms(1, face_count, *options.rms)));
+}
+
+double raysForRms(double form_factors, size_t face_count, double rms) {
+  return form_factors / (double(face_count) * rms * rms);
+}
+
 LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays) {
+  const double least = leastFormFactorBesideRays(options, rays.size());
   LineMixture mixture = raysAlone(std::move(rays));
-  mixture.least_form_factor = options.leastAllowedError() / kMostOfCounted;
+  mixture.least_form_factor = least;
   return mixture;
 }
 
@@ -132,6 +144,12 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
   return !mayFindAll(pairs) || secondsInOpen(pairs) > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) *
                                                                           secondsWithRays(pairs, rays));
+}
+
+bool paysRaysForRms(const PairNumbers& pairs, double rays, bool is_open) {
+  const double of_all = secondsOfLines(pairs, is_open),
+               of_mixture = secondsOfFew(pairs, of_all, pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
+  return !mayFindAll(pairs) || of_all > std::max(kSoon, kWorthBesideRays * of_mixture);
 }
 
 double secondsOfRays(double rays) { return kSecondsOfRay * rays; }

@@ -5,6 +5,8 @@
 // a count above the goal is cut to the goal. In scenes of many polygons nearly all pairs are of this kind.
 // PairFinder::find leaves them out early. Derivation: docs/method.md, section 13, mixtures.
 #pragma once
+#include <algorithm>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -21,6 +23,9 @@ constexpr uint32_t kLineRunDirections = 32;
 // Lattices are chosen so that common directions count at most kCountedPairs pairs, or kCountedOfFace a face where that
 // is more, 72 bytes each. Only where the coarsest lattice counts more are there up to kMostCountedPairs.
 constexpr double kCountedPairs = 3e7, kCountedOfFace = 750, kMostCountedPairs = 1e8;
+inline double enoughCounts(size_t face_count) {
+  return std::clamp(kCountedOfFace * double(face_count), kCountedPairs, kMostCountedPairs);
+}
 
 struct LineMixture {
   double least_form_factor = 0;              // of pairs with lines, unoccluded, from the smaller face; 0: all pairs
@@ -36,8 +41,12 @@ struct LineMixture {
 //   In: options: goals, replicates; mean_area: of polygons, in squares of the scene's radius
 LineMixture mixtureFor(const EstimateOptions& options, double mean_area);
 
-// Returns the mixture in which rays count the pairs that are small against the goal, and see what leaves the scene.
-//   In: options: goals; rays: as from planRays()
+// Returns the unoccluded form factor, from the smaller face, from which on pairs have lines beside rays. Pairs below it
+// are small against a tolerance or a relative error. For the root mean square of all errors they take less time by rays
+// than by lines.
+double leastFormFactorBesideRays(const EstimateOptions& options, size_t face_count);
+// Returns the mixture in which rays count the pairs below this form factor, and see what leaves the scene.
+//   In: options: goals; rays: as from planRays() or planRaysForRms()
 LineMixture rayMixtureFor(const EstimateOptions& options, std::vector<uint32_t> rays);
 // Returns the mixture in which rays count all pairs, and none has lines.    In: rays: as from planRays()
 LineMixture raysAlone(std::vector<uint32_t> rays);
@@ -79,6 +88,11 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
 //   In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become a promise, which
 //     is worth more
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
+// The same where the goal is the root mean square of all errors, which promises nothing.
+bool paysRaysForRms(const PairNumbers& pairs, double rays, bool is_open);
+// Returns how many rays all polygons need in all replicates where the goal is the root mean square of all errors:
+// docs/method.md, eq. (48d).    In: form_factors: sum over the pairs that rays count, from the smaller face
+double raysForRms(double form_factors, size_t face_count, double rms);
 // Returns the processor seconds of so many rays.
 double secondsOfRays(double rays);
 // Returns whether between surfaces rays that count all pairs take less time than finding the large pairs, beside rays

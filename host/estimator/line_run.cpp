@@ -9,6 +9,7 @@
 
 #include <viewpeel/error.h>
 #include "estimator/plan_rays.h"
+#include "estimator/plan_rays_for_rms.h"
 #include "memory.h"
 #include "rays/ray_engine.h"
 #include "sums/add_pairs.h"
@@ -174,26 +175,32 @@ LineRun::Wanting LineRun::findWanting(const FormFactors& all) const {
 void LineRun::measureErrorsOfMixture() {
   const Ids& ids = sums_.by_id.ids();
   const MixtureEntries mixture(*sums_.lines, sums_.by_id, sums_.measure_area, sums_.countArea());
+  std::optional<LineSums::ChanceFactors> factors;  // where errors in sums are wanted
+  if (options_.rms) factors = sums_.lines->chanceFactors();
   struct alignas(64) Found {  // threads write to different lines of the processor's caches
     double largest_error = 0;
+    double squares_of_lines = 0, squares_of_counts = 0;  // of errors between polygons
     std::vector<std::pair<uint32_t, double>> rows;  // whose environment or leak misses the goal, and by which factor
     Wanting wanting;
   };
   std::vector<Found> found(mixture.sliceCount());
-  const auto noteError = [&](Found& of, const FormFactors::Entry& entry) {
+  const auto noteError = [&](Found& of, double& squares, const FormFactors::Entry& entry) {
+    if (entry.j < kEnvironment)
+      for (const uint32_t id : {entry.i, entry.j}) squares += std::pow(entry.errorInSums() / ids.areas[id], 2);
     of.largest_error =
         std::max(of.largest_error, entry.exchange_area.standard_error / ids.smallerArea(entry.i, entry.j));
   };
   mixture.forEach(
       [&](size_t slice, size_t, size_t pair) {
         const LinePair& of = sums_.lines->pairs()[pair];
-        const FormFactors::Entry entry{of.i, of.j, sums_.lines->exchangeArea(pair)};
-        noteError(found[slice], entry);
+        const FormFactors::Entry entry = factors ? sums_.lines->entryAt(pair, *factors)
+                                                 : FormFactors::Entry{of.i, of.j, sums_.lines->exchangeArea(pair)};
+        noteError(found[slice], found[slice].squares_of_lines, entry);
         if (const double excess = excessOf(entry, ids); excess > 1)
           found[slice].wanting.emplace_back(keyOf(entry), excess);
       },
       [&](size_t slice, size_t, const FormFactors::Entry& entry) {
-        noteError(found[slice], entry);
+        noteError(found[slice], found[slice].squares_of_counts, entry);
         if (entry.j < kEnvironment) return;
         if (const double excess = excessOf(entry, ids); excess > 1) found[slice].rows.emplace_back(entry.i, excess);
       });
@@ -201,7 +208,9 @@ void LineRun::measureErrorsOfMixture() {
   needs_directions_ = false;
   further_rays_.assign(ids.count(), 0);
   Wanting wanting;
+  double squares_of_lines = 0, squares_of_counts = 0;
   for (const Found& of : found) {
+    squares_of_lines += of.squares_of_lines, squares_of_counts += of.squares_of_counts;
     largest_error_ = std::max(largest_error_, of.largest_error);
     needs_directions_ |= !of.rows.empty();
     for (const auto& [row, excess] : of.rows) {
@@ -212,7 +221,18 @@ void LineRun::measureErrorsOfMixture() {
     }
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
-  planFurther(excessOfPairs(wanting, findRowExcessOfLines()), 1);
+  if (options_.rms) planFurtherForRms(squares_of_lines, squares_of_counts);
+  else planFurther(excessOfPairs(wanting, findRowExcessOfLines()), 1);
+}
+
+// Plans the next replicate of a mixture whose goal is the root mean square of all errors.
+//   In: of_lines, of_counts: sums of squares of errors
+void LineRun::planFurtherForRms(double of_lines, double of_counts) {
+  const double allowed = std::pow(*options_.rms * double(sums_.by_id.ids().count()), 2);
+  const bool is_reached = of_lines + of_counts <= allowed;
+  needs_directions_ = !is_reached && of_counts > (1 - kLinesOfSquares) * allowed;
+  const double excess = is_reached ? 0 : std::sqrt(of_lines / (kLinesOfSquares * allowed));
+  planFurther(std::vector(sums_.lines->pairs().size(), excess), 1);
 }
 
 // Returns the entries between surfaces whose lines are too few, as findWanting(), where common directions have counted

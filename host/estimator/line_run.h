@@ -45,6 +45,7 @@ class LineRun {
   };
   void measureErrors();
   void measureErrorsOfMixture();
+  void planFurtherForRms(double of_lines, double of_counts);
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
   std::vector<double> findRowExcess(const FormFactors& all) const;
@@ -60,8 +61,9 @@ class LineRun {
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
-  // After the planned replicates only the environment and the leak of rows that miss the goal get rays.
-  bool hasFurtherRays() const { return options_.rays && options_.by == By::polygon; }
+  // After the planned replicates only the environment and the leak of rows that miss the goal get rays, but where the
+  // goal is about all errors.
+  bool hasFurtherRays() const { return options_.rays && options_.by == By::polygon && !options_.rms; }
   std::vector<Direction> directionsOf(uint64_t replicate, size_t replicates) const;
   void drawAhead(uint64_t replicate);
   void addReplicate(uint64_t replicate, Ahead& drawn);

@@ -22,7 +22,6 @@ constexpr double kRayRate = 0.7;
 // differ from it by 0.35 to 0.8 of its value (a city of 2,892 triangles). No row is taken to vary less, for no standard
 // error is stated to be smaller (MixtureEntries).
 constexpr double kBinomialDegrees = 7;
-constexpr uint32_t kMostRaysOfRow = 1 << 20;
 // No polygon has fewer rays than this share of the most: they count the pairs between polygons, too.
 constexpr double kLeastShare = 1.0 / 8;
 

@@ -20,6 +20,9 @@ constexpr uint32_t kPilotRays = 32, kRayPilotReplicates = 8;
 // exceeded in 6 and 9 of 100 runs of a city of 2,892 triangles, at 0.1 and 0.03.
 constexpr double kRayMargin = 1.15;
 
+// No face has more rays in a replicate.
+constexpr uint32_t kMostRaysOfRow = 1 << 20;
+
 // PlannedRays are numbers of rays in a replicate, uint32_t[faces] as RayEngine::setRays() takes them.
 struct PlannedRays {
   std::vector<uint32_t> outside;  // so that most rows have their environment and leak within the goals

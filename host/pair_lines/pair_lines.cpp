@@ -138,6 +138,13 @@ PairSample PairLines::samplePairs() const {
   return sample;
 }
 
+double PairSample::sumOfSmall(double least_form_factor) const {
+  double sum = 0;
+  for (const Pair& pair : found)
+    if (pair.form_factor < least_form_factor) sum += pair.is_blocked ? pair.form_factor / 2 : pair.form_factor;
+  return each * sum;
+}
+
 PairNumbers PairSample::numbersFor(double least_form_factor) const {
   const auto countOf = [&](const auto& predicate) { return each * double(std::ranges::count_if(found, predicate)); };
   const auto isLarge = [&](const Pair& pair) { return pair.form_factor >= least_form_factor; };

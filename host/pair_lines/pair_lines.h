@@ -59,6 +59,9 @@ struct PairSample {
 
   // Returns the numbers of pairs.    In: least_form_factor: of large pairs, unoccluded, from the smaller polygon
   PairNumbers numbersFor(double least_form_factor) const;
+  // Returns the sum of the form factors, from the smaller polygon, of all pairs that are not large. Half of what
+  // something may block is taken to be visible.
+  double sumOfSmall(double least_form_factor) const;
 };
 
 // A UniformTask asks for independent lines of one part of a pair.

@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <mutex>
 #include <numbers>
 #include <optional>
 #include <string>
@@ -34,6 +35,9 @@ constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single 
 // One count stands for kUnitShare of the smallest polygon's area, or for kUnitOfLargest of the largest one's where this
 // is more: then 2^20 rays are less than 2^61 counts. At most it is kMostUnitShare of the smallest one's.
 constexpr double kUnitShare = 0x1p-14, kUnitOfLargest = 0x1p-42, kMostUnitShare = 0x1p-4;
+// Where at most one of so many rays strays, or one in all, the strays are cast again in double precision. This takes
+// some 13 times as long, so that it adds a twentieth at most to the time of many rays.
+constexpr size_t kRaysOfStray = 256, kMostStrays = 64;
 constexpr size_t kChunk = 16;          // polygons that a thread takes at once
 constexpr double kMostHits = 1 << 24;  // numbers of hits that threads keep, by block and polygon
 constexpr float kLeastRoot = 1e-12f;   // numbers are raised to it before their root is taken
@@ -107,11 +111,17 @@ class TreeRayEngine : public RayEngine {
   std::string describePlan() const override { return "rays of each polygon's own\n"; }
 
  private:
+  // A Stray is a ray that leaves the scene or ends on a back: its four numbers, and where it starts.
+  struct Stray {
+    std::array<float, RayBundle::kNumbers> u;
+    bool from_front;
+  };
   // Hits are the ends of a polygon's rays of one block.
   struct Hits {
     std::vector<uint32_t> of_polygon;    // by polygon: rays that end on it; empty where only the outside counts
     std::vector<uint32_t> polygons;      // with rays, in any order
     uint64_t environment = 0, leak = 0;  // with a horizon: the environment above and below it
+    std::vector<Stray> strays;           // in single precision, as long as they are few
   };
   // A Worker is what one thread needs, and what it has counted.
   struct Worker {
@@ -136,7 +146,7 @@ class TreeRayEngine : public RayEngine {
   template <class Floats>
   static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Floats>
-  void cast(const Emitter& from, uint32_t plane, const RayBundle& bundle, std::vector<Hits>& hits) const;
+  void cast(size_t emitter, const RayBundle& bundle, std::vector<Hits>& hits) const;
   // Adds a ray that leaves the scene.
   void addOutside(const Point& direction, Hits& hits) const {
     ++(up_ && dot(direction, *up_) <= 0 ? hits.leak : hits.environment);
@@ -147,6 +157,12 @@ class TreeRayEngine : public RayEngine {
     if (!hits.of_polygon.empty() && hits.of_polygon[polygon]++ == 0) hits.polygons.push_back(polygon);
   }
   void castFromSliver(uint32_t polygon, bool from_front, const RayBundle& bundle, std::vector<Hits>& hits) const;
+  void castInDouble(uint32_t polygon, const Stray& ray, Hits& hits) const;
+  void castStraysAgain(uint32_t polygon, size_t directions, Hits& hits) const;
+  const Sight& sight() const {
+    std::call_once(sight_is_made_, [this] { sight_.emplace(scene_); });
+    return *sight_;
+  }
   void addCounts(uint32_t polygon, size_t directions, double weight, Hits& hits, PairCounts& counts) const;
 
   const Scene& scene_;
@@ -160,10 +176,11 @@ class TreeRayEngine : public RayEngine {
   double unit_;
   std::vector<Emitter> emitters_;  // by polygon and side
   std::vector<bool> slivers_;      // by polygon, whether it isSliver()
-  std::optional<Sight> sight_;     // where there are slivers
-  std::vector<uint32_t> rays_;     // by id, of all sides; empty: as many as directions
-  std::optional<Point> up_;        // where there is a horizon
-  RayBundle::Digits digits_;       // of as many Sobol' points as a side has had rays at most
+  mutable std::once_flag sight_is_made_;
+  mutable std::optional<Sight> sight_;  // where a ray is cast in double precision
+  std::vector<uint32_t> rays_;          // by id, of all sides; empty: as many as directions
+  std::optional<Point> up_;             // where there is a horizon
+  RayBundle::Digits digits_;            // of as many Sobol' points as a side has had rays at most
 };
 
 TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options)
@@ -179,7 +196,6 @@ TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOp
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     for (uint32_t side = 0; side < sides_; ++side) emitters_.push_back(emitterOf(k, side == 0, near));
   for (const Polygon& polygon : scene.polygons) slivers_.push_back(isSliver(scene, polygon));
-  if (std::ranges::count(slivers_, true) > 0) sight_.emplace(scene);
 }
 
 Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonTree& near) const {
@@ -269,15 +285,17 @@ void TreeRayEngine::castBundle(size_t emitter, Worker& worker) const {
   else
     runInLanes(
         vectors_, [&]<class Types>(Types) __attribute__((always_inline)) {
-          cast<typename Types::Floats>(emitters_[emitter], scene_.polygons[polygon].plane, worker.bundle, worker.hits);
+          cast<typename Types::Floats>(emitter, worker.bundle, worker.hits);
         });
   worker.bundle.clear();
 }
 
 template <class Floats>
-[[gnu::always_inline]] inline void TreeRayEngine::cast(const Emitter& from, uint32_t plane, const RayBundle& bundle,
+[[gnu::always_inline]] inline void TreeRayEngine::cast(size_t emitter, const RayBundle& bundle,
                                                        std::vector<Hits>& hits) const {
   constexpr float kFarAway = 4;  // the scene lies in the unit ball
+  const Emitter& from = emitters_[emitter];
+  const uint32_t plane = scene_.polygons[emitter / sides_].plane;
   for (uint32_t first = 0; first < bundle.size(); first += kLineLanes) {
     Floats u[RayBundle::kNumbers];
     for (int d = 0; d < RayBundle::kNumbers; ++d) u[d] = bundle.numbersOf<Floats>(first, d);
@@ -297,9 +315,13 @@ template <class Floats>
                                         : rays.facet[lane] > 0     ? &tree_.facet(rays.facet[lane])
                                                                    : nullptr;
       Hits& of_block = hits[bundle.blockOf(first + static_cast<uint32_t>(lane))];
-      if (!end) addOutside(direction, of_block);
-      else if (!ids_.two_sided && dot(end->normal, direction) * end->side > 0) addLeak(of_block);
-      else addHit(end->polygon, of_block);
+      if (end && (ids_.two_sided || dot(end->normal, direction) * end->side <= 0)) {
+        addHit(end->polygon, of_block);
+        continue;
+      }
+      end ? addLeak(of_block) : addOutside(direction, of_block);
+      if (of_block.strays.size() < kMostStrays)
+        of_block.strays.push_back({{u[0][lane], u[1][lane], u[2][lane], u[3][lane]}, emitter % sides_ == 0});
     }
   }
 }
@@ -308,14 +330,30 @@ template <class Floats>
 void TreeRayEngine::castFromSliver(uint32_t polygon, bool from_front, const RayBundle& bundle,
                                    std::vector<Hits>& hits) const {
   for (uint32_t ray = 0; ray < bundle.size(); ++ray) {
-    const auto u = [&](int d) { return double(bundle.numberOf(ray, d)); };
-    const dvec3 direction = sight_->directionFrom(polygon, from_front, 1 - u(0), u(1));
-    const Sight::End end = sight_->look(polygon, sight_->pointOn(polygon, u(2), u(3)), direction);
-    Hits& of_block = hits[bundle.blockOf(ray)];
-    if (end.polygon == Sight::kNothing) addOutside(pointOf(direction), of_block);
-    else if (!ids_.two_sided && !end.is_front) addLeak(of_block);
-    else addHit(end.polygon, of_block);
+    Stray of_ray{.u = {}, .from_front = from_front};
+    for (int d = 0; d < RayBundle::kNumbers; ++d) of_ray.u[d] = bundle.numberOf(ray, d);
+    castInDouble(polygon, of_ray, hits[bundle.blockOf(ray)]);
   }
+}
+
+void TreeRayEngine::castInDouble(uint32_t polygon, const Stray& ray, Hits& hits) const {
+  const dvec3 direction = sight().directionFrom(polygon, ray.from_front, 1 - double(ray.u[0]), double(ray.u[1]));
+  const Sight::End end = sight().look(polygon, sight().pointOn(polygon, double(ray.u[2]), double(ray.u[3])), direction);
+  if (end.polygon == Sight::kNothing) addOutside(pointOf(direction), hits);
+  else if (!ids_.two_sided && !end.is_front) addLeak(hits);
+  else addHit(end.polygon, hits);
+}
+
+// Casts the strays of one polygon's rays again in double precision, where they are so few that they may have passed
+// between two polygons that touch.    In: directions: of the block
+void TreeRayEngine::castStraysAgain(uint32_t polygon, size_t directions, Hits& hits) const {
+  const size_t few =
+      std::clamp<size_t>(raysOf(ids_.of_polygon[polygon], directions) / kRaysOfStray, 1, kMostStrays - 1);
+  if (!hits.strays.empty() && hits.strays.size() <= few) {
+    hits.environment = hits.leak = 0;
+    for (const Stray& stray : hits.strays) castInDouble(polygon, stray, hits);
+  }
+  hits.strays.clear();
 }
 
 // Turns the hits of one polygon's rays into counts, and clears them.    In: weight: of a direction
@@ -386,8 +424,10 @@ std::vector<PairCounts> TreeRayEngine::countFrom(std::span<const Direction> dire
         const auto of_polygon = std::span(series).first(blocks ? (*blocks)[id] : series.size());
         Worker& worker = workers[thread];
         for (uint32_t side = 0; side < sides_; ++side) castFrom(k * sides_ + side, raysOfSide(id), of_polygon, worker);
-        for (size_t block = 0; block < of_polygon.size(); ++block)
+        for (size_t block = 0; block < of_polygon.size(); ++block) {
+          castStraysAgain(polygon, block_directions, worker.hits[block]);
           addCounts(polygon, block_directions, series[block].weight, worker.hits[block], worker.counts[block]);
+        }
       },
       [&](size_t) {
         if (stop_) stop_();

@@ -29,12 +29,12 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
   StandardErrors errors;
   std::vector<std::pair<double, std::pair<uint32_t, uint32_t>>> largest;  // sorted, at most `worst` entries
   double squares = 0, between_rows = 0;
-  const auto add = [&](uint32_t from, uint32_t to, const Measured& exchange) {
+  const auto add = [&](uint32_t from, uint32_t to, const FormFactors::Entry& entry) {
     if (!form_factors.ids().isRequested(from)) return;
-    const double error = exchange.standard_error / form_factors.ids().areas[from];
+    const double area = form_factors.ids().areas[from], error = entry.exchange_area.standard_error / area;
     ++errors.count;
     squares += error * error;
-    if (to < kEnvironment) between_rows += error * error;
+    if (to < kEnvironment) between_rows += std::pow(entry.errorInSums() / area, 2);
     if (worst == 0 || (largest.size() == worst && error <= largest.back().first)) return;
     const auto at =
         std::find_if(largest.begin(), largest.end(), [&](const auto& other) { return other.first < error; });
@@ -42,8 +42,8 @@ StandardErrors measureStandardErrors(const FormFactors& form_factors, size_t wor
     if (largest.size() > worst) largest.pop_back();
   };
   for (const auto& entry : form_factors.entries()) {
-    add(entry.i, entry.j, entry.exchange_area);
-    if (entry.j < kEnvironment && entry.j != entry.i) add(entry.j, entry.i, entry.exchange_area);
+    add(entry.i, entry.j, entry);
+    if (entry.j < kEnvironment && entry.j != entry.i) add(entry.j, entry.i, entry);
   }
   for (const auto& [error, pair] : largest) errors.worst.push_back(pair);
   errors.rms = errors.count ? std::sqrt(squares / double(errors.count)) : 0;

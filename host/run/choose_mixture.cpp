@@ -62,7 +62,8 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     constexpr double kRounding = 1e-9;
     if (setup.estimate().is_timed)
       setup.setTimedTolerance(least > 0 && least < kAllCounted ? std::min(most, kCoarsestTimed) : kFinestTimed);
-    if (least > 0 && least < kAllCounted && setup.mixture().least_form_factor < (1 - kRounding) * least)
+    if (least > 0 && least < kAllCounted && !setup.estimate().rms &&
+        setup.mixture().least_form_factor < (1 - kRounding) * least)
       throw Error(
           ErrorCode::bad_usage,
           fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
@@ -75,7 +76,9 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (setup.estimate().is_timed)
     if (std::string why = takeTimedTolerance(counts); !why.empty()) return why;
   if (setup.estimate().rms)
-    return setup.isLarge() && !mayFindAll(pairNumbers()) ? "too many pairs of polygons see each other" : "";
+    return takeRaysForRms() || !setup.isLarge() || mayFindAll(pairNumbers())
+               ? ""
+               : "too many pairs of polygons see each other";
   if (std::string why = takeDirectionsAlone(); !why.empty()) return why;
   if (line_mixture.countsAll() || !setup.plansWhichPairs()) return "";
   const bool may_have_rays = mayHaveRays(), may_count = setup.isLarge() || !(may_leave || no_promise.empty());
@@ -135,7 +138,9 @@ std::string FormFactorRun::State::takeTimedTolerance(const PairCounts& counts) {
 // Returns estimates of how many pairs of polygons there are, whose lines may have to be found.
 PairNumbers FormFactorRun::State::pairNumbers() {
   if (!pair_sample) pair_sample = pair_lines->samplePairs();
-  return pair_sample->numbersFor(setup.mixture().least_form_factor);
+  const EstimateOptions& options = setup.estimate();
+  return pair_sample->numbersFor(options.rms ? leastFormFactorBesideRays(options, setup.faceIds().count())
+                                             : setup.mixture().least_form_factor);
 }
 
 // Returns whether each polygon may have rays of its own: where the scene and the request suit rays, and lines for the
@@ -206,6 +211,37 @@ bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
   return pays_mixture;
 }
 
+// Decides whether rays count pairs, where the goal is the root mean square of all errors.
+//   Out: whether they do; then line_mixture and its engine are set, but planRaysForRms() chooses the rays
+bool FormFactorRun::State::takeRaysForRms() {
+  const size_t face_count = setup.faceIds().count();
+  if (setup.request().pair_lines.value_or(false) || !suitsRays(setup.scene()) || !mayPayMixture(face_count))
+    return false;
+  const EstimateOptions& options = setup.estimate();
+  const PairNumbers numbers = pairNumbers();
+  const double small = pair_sample->sumOfSmall(leastFormFactorBesideRays(options, face_count)),
+               least_rays = double(RayEngine::kLeastRays) * options.replicates * double(face_count);
+  const auto pays = [&](double form_factors) {
+    const double all_rays =
+        std::max(least_rays, raysForRms(form_factors, face_count, *options.rms) / (1 - kLinesOfSquares));
+    return paysRaysForRms(numbers, kPilotRays * double(face_count) + all_rays, may_leave) &&
+           std::min(all_rays, numbers.facing) <= enoughCounts(face_count);
+  };
+  if (!pays(small)) return false;
+  rms_planner.emplace(rayEngine(), setup.scene(), setup.faceIds(), setup.request().seed);
+  if (!pays(small + rms_planner->environments())) return false;
+  line_mixture = rayMixtureFor(options, std::vector<uint32_t>(face_count, kPilotRays));
+  useRays(std::move(ray_engine));
+  return true;
+}
+
+// Chooses how many rays each face has.    In: line_pairs: of the mixture
+void FormFactorRun::State::planRaysForRms() {
+  line_mixture = rayMixtureFor(setup.estimate(), rms_planner->plan(line_pairs, setup.estimate()));
+  rays->setRays(line_mixture.rays);
+  plan->directions = line_mixture.directions;
+}
+
 // Plans to count along rays of planRays().
 void FormFactorRun::State::countAlongRays(LineMixture mixture) {
   if (no_promise.empty())
@@ -227,7 +263,7 @@ void FormFactorRun::State::useRays(std::unique_ptr<RayEngine> engine) {
 //   Out: false where no lattice fits; sets line_mixture, its engine, and work.pairs_of_direction for this lattice
 bool FormFactorRun::State::fitMixture(LineMixture mixture, LineWork& work) {
   constexpr int kLeastResolution = 64;
-  const double enough = std::clamp(kCountedOfFace * double(setup.faceIds().count()), kCountedPairs, kMostCountedPairs);
+  const double enough = enoughCounts(setup.faceIds().count());
   for (;; mixture.resolution = std::max(mixture.resolution / 2, kLeastResolution)) {
     line_mixture = mixture;
     makeLineEngine();

@@ -37,6 +37,8 @@ constexpr double kLeakRaysAtOne = 6;
 // Lines for all pairs with backs cost less than more rays than this, and less than rays where the faces are fewer than
 // this share of the rays of a face.
 constexpr double kMostLeakRays = 8192, kFacesOfLeakRay = 0.125;
+// Lines are planned by standard errors of single pairs, which are larger than errors in sums.
+constexpr double kPlannedRms = 1.4;
 constexpr uint32_t kMostSurveyed = 200'000;  // faces: rays of more take long, and much memory
 
 // Returns the tolerance that a run with this number of lines is expected to reach. It is proportional to the number to
@@ -281,6 +283,11 @@ void FormFactorRun::State::planEstimateLines() {
     // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
     // 1 by as much as all lines of a row err together.
     const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));
+    if (options.rms && rays) {
+      planRaysForRms();
+      *options.rms *= std::sqrt(kLinesOfSquares);
+    }
+    if (options.rms) *options.rms *= kPlannedRms;
     line_pairs =
         planLines(*pair_lines, std::move(line_pairs), setup.faceIds(), setup.ids(), options, with_rows, most_lines);
   }

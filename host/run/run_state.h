@@ -19,6 +19,7 @@
 #include "estimator/line_guarantee.h"
 #include "estimator/line_run.h"
 #include "estimator/plan_rays.h"
+#include "estimator/plan_rays_for_rms.h"
 #include "io/checkpoint.h"
 #include "rays/ray_engine.h"
 #include "run/setup.h"
@@ -48,12 +49,13 @@ struct FormFactorRun::State {
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
   std::optional<PairSample> pair_sample;
-  LineMixture line_mixture{};             // pairs with lines, and directions that count the others
-  RayEngine* rays = nullptr;              // the plan's engine, where it counts along rays
-  std::unique_ptr<RayEngine> ray_engine;  // until the plan has it
-  std::optional<RayPlanner> ray_planner;  // of ray_engine
-  std::vector<LinePair> line_pairs;       // as found, then with their planned lines
-  double finding_seconds = 0;             // that it took to find them
+  LineMixture line_mixture{};                // pairs with lines, and directions that count the others
+  RayEngine* rays = nullptr;                 // the plan's engine, where it counts along rays
+  std::unique_ptr<RayEngine> ray_engine;     // until the plan has it
+  std::optional<RayPlanner> ray_planner;     // of ray_engine
+  std::optional<RmsRayPlanner> rms_planner;  // of ray_engine, where the goal is the root mean square of all errors
+  std::vector<LinePair> line_pairs;          // as found, then with their planned lines
+  double finding_seconds = 0;                // that it took to find them
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
   std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
@@ -133,6 +135,8 @@ struct FormFactorRun::State {
   PlannedRays planRays();
   double numberOfRays(const std::vector<uint32_t>& of_faces) const;
   bool takeRays(const PairNumbers& numbers);
+  bool takeRaysForRms();
+  void planRaysForRms();
   std::string takeTimedTolerance(const PairCounts& counts);
   void countAlongRays(LineMixture mixture);
   void useRays(std::unique_ptr<RayEngine> engine);

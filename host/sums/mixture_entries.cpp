@@ -20,7 +20,9 @@ FormFactors::Entry MixtureEntries::countedEntry(const ReplicateSums::PairSum& pa
     const double binomial = counted_.binomialVariance(pair.i, exchange.value, measure_area_, count_area_);
     exchange.standard_error = std::max(exchange.standard_error, std::sqrt(ray_efficiency_ * binomial));
   }
-  return {pair.i, pair.j, exchange};
+  // Rays of different polygons are independent, so that sums over many pairs err by the spread of each.
+  const double in_sums = counted_.countsRays() && pair.j < kEnvironment ? counted_.spreadOf(pair, measure_area_) : 0;
+  return {pair.i, pair.j, exchange, std::min(in_sums, exchange.standard_error)};
 }
 
 }  // namespace viewpeel

@@ -59,23 +59,35 @@ uint64_t ReplicateSums::replicatesOf(uint32_t i, uint32_t j) const {
   return replicate_count_ - further_.replicates + (has_further ? further_.of_rows[i] : 0);
 }
 
+// Returns the variance of the sum of the counts of all replicates, of at least 2, from their spread.
+double ReplicateSums::varianceOf(const Sum& sum, uint64_t replicate_count) const {
+  const Wide replicates = replicate_count;
+  // The spread is R (R - 1) s^2, without rounding.
+  const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
+  return double(spread) / (double(replicates) - 1);
+}
+
+double ReplicateSums::spreadOf(const PairSum& pair, double measure_area) const {
+  const uint64_t replicates = replicatesOf(pair.i, pair.j);
+  if (replicates < 2) return 0;
+  return exchangesPerLine(pair.i, pair.j) * measure_area * std::sqrt(varianceOf(pair.sum, replicates)) /
+         double(replicates);
+}
+
 // Returns the mean count of a replicate with the standard error of docs/method.md, eq. (12), which is infinite from a
 // single replicate.
 //   In: replicates: in which the pair could be counted; most_counts: the most counts that a direction adds, A / h^2 in
 //   eq. (12), or twice what a ray adds
 Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, double most_counts) const {
-  const Wide replicates = replicate_count;
   Measured measured;
   measured.value = double(sum.sum) / double(replicate_count);
   if (replicate_count < 2) {
     measured.standard_error = INFINITY;
     return measured;
   }
-  // The spread is R (R - 1) s^2, without rounding.
-  const Wide spread = replicates * sum.sum_of_squares - sum.sum * sum.sum;
-  const double r = double(replicate_count), variance = double(spread) / (r - 1);
+  const double r = double(replicate_count), variance = varianceOf(sum, replicate_count);
   const double counted = double(sum.sum), least = ray_areas_.empty() ? 1 : std::max(1.0, most_counts / 2),
-               at_a_time = spread ? std::max(least, variance / counted) : least;
+               at_a_time = variance > 0 ? std::max(least, variance / counted) : least;
   const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
   measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
   return measured;

@@ -53,6 +53,7 @@ class ReplicateSums {
   //   In: areas: double[ids], A N / n, with the area A of a row's largest polygon, its n rays in a replicate and the N
   //     directions of a replicate; input units squared
   void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
+  bool countsRays() const { return !ray_areas_.empty(); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
   // Adds a replicate in which only some rows had rays, for their environment and leak.
@@ -87,6 +88,9 @@ class ReplicateSums {
   double unmetBoundOfRays(double directions) const;
   // Returns the variance of a row's exchange area with the environment, if its rays were independent of each other.
   double binomialVariance(uint32_t row, double exchange, double measure_area, double count_area) const;
+  // Returns the standard error of a pair's exchange area from its spread over replicates alone. Of a single pair it
+  // says little; over many pairs its squares have the right mean. It is 0 from a single replicate.
+  double spreadOf(const PairSum& pair, double measure_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
   Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
 
@@ -102,6 +106,7 @@ class ReplicateSums {
   double largestRelativeError(double measure_area, double floor, double count_area = INFINITY) const;
 
  private:
+  double varianceOf(const Sum& sum, uint64_t replicates) const;
   Measured measure(const Sum& sum, uint64_t replicates, double most_counts) const;
   template <class ErrorOf>
   double largestOf(const ErrorOf& error_of) const;

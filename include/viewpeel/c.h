@@ -54,7 +54,7 @@ typedef struct viewpeel_options {
   int (*should_stop)(void* context);
   void* context;
   int promise; /* the tolerance, as viewpeel::Request::promise. 0: where it costs little; 1: on; -1: off */
-  double rms;  /* root mean square of the standard errors of all form factors; a goal of its own */
+  double rms;  /* root mean square of the errors of all form factors; a goal of its own */
 } viewpeel_options;
 
 /* Rows are compressed sparse rows of form factors: entries of row i are from starts[i] to starts[i + 1] - 1. */

@@ -175,7 +175,9 @@ Closure measureClosure(const FormFactors& form_factors);
 struct StandardErrors {
   size_t count = 0;  // number of form factors
   double rms = 0;
-  double rms_with_zeros = 0;  // over all form factors between rows, the zero ones included, as RootMeanSquare has it
+  // Root mean square of the errors in sums (FormFactors::Entry) of all form factors between rows, the zero ones
+  // included, as RootMeanSquare has it.
+  double rms_with_zeros = 0;
   std::vector<std::pair<uint32_t, uint32_t>> worst;  // from, to; the largest first
 };
 

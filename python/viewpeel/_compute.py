@@ -71,7 +71,7 @@ def compute(
         tolerance: largest error, above 0. It is the default goal, promised where a promise costs little more (see
             promise), else estimated
         relative: largest relative standard error, over form factors of at least `floor` (0.01)
-        rms: largest root mean square of the standard errors of all n x n form factors, above 0; a goal of its own
+        rms: largest root mean square of the errors of all n x n form factors, above 0; a goal of its own
         seconds: time limit, s; with another goal the run may stop before it
         epsilon, delta, rows: a guarantee: with probability 1 - delta (0.01) every form factor is within epsilon; with
             rows=True each row's environment is, too

@@ -127,7 +127,7 @@ TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
   ids.names = {"a", "b", "c"};
   ids.areas = {1, 2, 4};
   ids.surface = {0, 1, 2};
-  const FormFactors f(ids, {{0, 1, {0.5, 0.1}}, {1, 2, {1, 0.2}}}, {{1.02, 0.01}, {0.97, 0.03}, {1, 0}});
+  const FormFactors f(ids, {{0, 1, {0.5, 0.1}}, {1, 2, {1, 0.2}, 0.1}}, {{1.02, 0.01}, {0.97, 0.03}, {1, 0}});
   const Closure closure = measureClosure(f);
   EXPECT_EQ(closure.row, "b");
   EXPECT_NEAR(closure.largest_error, 0.03, 1e-15);
@@ -137,6 +137,8 @@ TEST(FrontDoor, ClosureIsOfTheMatrixDelivered) {
   EXPECT_EQ(errors.count, 4u);
   EXPECT_NEAR(errors.rms, std::sqrt(0.025 / 4), 1e-15);
   EXPECT_EQ(errors.worst.size(), 2u);
+  const double squares = 0.1 * 0.1 + 0.05 * 0.05 + std::pow(0.1 / 2, 2) + std::pow(0.1 / 4, 2);  // of errors in sums
+  EXPECT_NEAR(errors.rms_with_zeros, std::sqrt(squares) / 3, 1e-15);
   const Result result = computeFormFactors(loadScene(VIEWPEEL_SCENES "/office.obj"), onHost(Tolerance{2e-2}));
   EXPECT_EQ(result.closure.largest_error, measureClosure(result.form_factors).largest_error);
   EXPECT_GT(result.closure.largest_error, 0);

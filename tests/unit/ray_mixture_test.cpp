@@ -30,7 +30,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-constexpr double kGoal = 0.1, kRelativeGoal = 0.5;
+constexpr double kGoal = 0.1, kRelativeGoal = 0.5, kRmsGoal = 1e-3;
 constexpr size_t kReplicates = 8;  // planned
 
 Scene city() { return buildScene(bench::triangulatedCity(1'000).scene); }
@@ -151,17 +151,23 @@ TEST(RayMixture, LinesOfARowKeepToTheTolerance) {
 
 TEST(RayMixture, BitsDependOnSeedsAlone) {
   const Scene scene = city();
-  const FormFactors one = computeFormFactors(scene, requestFor(kGoal, 1)).form_factors;
-  expectSameBits(computeFormFactors(scene, requestFor(kGoal, 3)).form_factors, one);
-  Request other = requestFor(kGoal);
-  other.seed = 2;
-  EXPECT_NE(computeFormFactors(scene, other).form_factors.exchangeArea(0, kEnvironment).value,
-            one.exchangeArea(0, kEnvironment).value);
+  for (const Goal& goal : {Goal(Tolerance{kGoal}), Goal(RootMeanSquare{kRmsGoal})}) {
+    Request request = requestFor(kGoal, 1);
+    request.goal = goal;
+    const FormFactors one = computeFormFactors(scene, request).form_factors;
+    request.threads = 3;
+    expectSameBits(computeFormFactors(scene, request).form_factors, one);
+    request.seed = 2;
+    EXPECT_NE(computeFormFactors(scene, request).form_factors.exchangeArea(0, kEnvironment).value,
+              one.exchangeArea(0, kEnvironment).value);
+  }
 }
 
-TEST(RayMixture, GoesOnFromACheckpoint) {
+// Stops a run at some of its steps, and expects each to end with the same bits when it goes on.
+//   In: stops: numbers of steps, from the last one where below 0    Out: number of steps
+void expectSameBitsFromCheckpoints(const Request& request, std::initializer_list<int> stops, size_t at_least) {
   const Scene scene = city();
-  FormFactorRun whole(scene, requestFor(kGoal));
+  FormFactorRun whole(scene, request);
   whole.makePlan();
   ASSERT_TRUE(whole.plan().pair_lines && whole.plan().pair_lines->has_rays);
   const std::filesystem::path folder = testing::TempDir();
@@ -171,18 +177,25 @@ TEST(RayMixture, GoesOnFromACheckpoint) {
     files.push_back(folder / ("ray_mixture_" + std::to_string(files.size()) + ".h5"));
     whole.writeCheckpoint(files.back());
   }
-  // Some checkpoints are of a run whose rows that miss the goal have further rays.
-  ASSERT_GT(files.size(), kReplicates + 1);
-  for (const size_t step : {size_t{2}, kReplicates, files.size() - 2}) {
-    SCOPED_TRACE(step);
-    FormFactorRun second(scene, requestFor(kGoal));
-    second.resumeFrom(files[step]);
+  ASSERT_GE(files.size(), at_least);
+  for (const int stop : stops) {
+    SCOPED_TRACE(stop);
+    FormFactorRun second(scene, request);
+    second.resumeFrom(files[stop < 0 ? files.size() - static_cast<size_t>(-stop) : static_cast<size_t>(stop)]);
     second.makePlan();
     EXPECT_TRUE(second.plan().pair_lines && second.plan().pair_lines->has_rays);
     while (!second.isDone()) second.step();
     expectSameBits(second.result().form_factors, whole.result().form_factors);
   }
   for (const std::filesystem::path& file : files) std::filesystem::remove(file);
+}
+
+TEST(RayMixture, GoesOnFromACheckpoint) {
+  // Some checkpoints are of a run whose rows that miss the goal have further rays.
+  expectSameBitsFromCheckpoints(requestFor(kGoal), {2, int(kReplicates), -2}, kReplicates + 2);
+  Request request = requestFor(kGoal);
+  request.goal = RootMeanSquare{kRmsGoal};
+  expectSameBitsFromCheckpoints(request, {2, int(kReplicates) - 2}, kReplicates);
 }
 
 // Lines for all pairs of this open room do not fit into memory. With a tiny polygon the scene has no rays, and the plan
