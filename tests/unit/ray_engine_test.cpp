@@ -190,8 +190,8 @@ TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
   }
 }
 
-// A lamp sees the sky through a slit, by 1 of 1,000 rays. So few rays leave the scene that they are cast again, and leave
-// it again.
+// A lamp sees the sky through a slit, by 1 of 1,000 rays. So few rays leave the scene that they are cast again, and
+// leave it again.
 TEST(RayEngine, FewRaysThatLeaveTheSceneDoLeaveIt) {
   constexpr uint32_t kRays = 4096;
   InputScene input;

@@ -71,8 +71,8 @@ TEST_F(RmsGoal, IsTrueByLinesAndByDirections) {
 }
 
 // In a closed scene and in an open one rays are quicker for a rough goal. What they state is the mean of thousands of
-// variances, so that it is off by a few hundredths. The reference, whose goal is a tenth of theirs, adds half of one. In
-// the closed scene pairs are then fitted to their rows, which lessens true errors.
+// variances, so that it is off by a few hundredths. The reference, whose goal is a tenth of theirs, adds half of one.
+// In the closed scene pairs are then fitted to their rows, which lessens true errors.
 TEST_F(RmsGoal, IsTrueByRays) {
   constexpr double kRough = 1e-3, kOff = 0.1, kFitted = 0.8;
   for (const Scene& scene : {room_, buildScene(bench::triangulatedCity(1'000).scene)}) {
