@@ -63,8 +63,13 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     for (const LinePair& pair : sums.lines->pairs()) estimate.line_pairs += pair.blocks > 0;
     estimate.lines = sums.lines->lineCount();
     const double least = sums.lines->leastFormFactor();
-    if (least >= kAllCounted) estimate.unmet_bound = sums.by_surface.unmetBoundOfRays(double(sums.directions));
-    else if (least > 0) estimate.unmet_bound = least;
+    if (least > 0) estimate.unmet_bound = least;
+    if (sums.by_id.countsRays()) {
+      const ReplicateSums& counted = sums.lines->by() == By::polygon ? sums.by_id : sums.by_surface;
+      // In further replicates only environment and leak may have had rays.
+      const double of_pairs = double(counted.replicatesOf(0, 0)) / double(counted.replicateCount());
+      estimate.unmet_bound = std::min(least, counted.unmetBoundOfRays(of_pairs * double(sums.directions)));
+    }
     return estimate;
   }
   // Where the prior has the unoccluded form factors of all pairs, a pair without an entry has F0 = 0: its faces would

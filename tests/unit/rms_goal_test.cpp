@@ -82,6 +82,17 @@ TEST_F(RmsGoal, IsTrueByRays) {
     EXPECT_FALSE(truth.plan.pair_lines->has_rays);
     EXPECT_TRUE(result.goal_reached);
     const double stated = rmsError(result.form_factors), error = rmsDifference(result.form_factors, truth.form_factors);
+    // Of the pairs above the bound on unmet ones at most 1 of 20 is unmet.
+    size_t above = 0, unmet = 0;
+    for (const FormFactors::Entry& entry : truth.form_factors.entries()) {
+      const double area = truth.form_factors.ids().smallerArea(entry.i, entry.j);
+      if (entry.j >= kEnvironment || entry.exchange_area.value < result.unmet_bound * area) continue;
+      ++above;
+      unmet += result.form_factors.exchangeArea(entry.i, entry.j).value == 0;
+    }
+    EXPECT_LT(result.unmet_bound, result.plan.pair_lines->least_form_factor);
+    EXPECT_GT(above, 100u);
+    EXPECT_LE(20 * unmet, above);
     EXPECT_LE(stated, kRough);
     EXPECT_LE(error, (1 + kOff) * stated);
     EXPECT_GE(error, kFitted * stated);
