@@ -5,19 +5,17 @@
 #include <bit>
 #include <cmath>
 #include <mutex>
-#include <numbers>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include <glm/glm.hpp>
 
+#include "rays/emitter.h"
 #include "rays/ray_bundle.h"
 #include "rays/ray_tree.h"
 #include "hash.h"
-#include "scene/coincident.h"
 #include "scene/perimeter.h"
-#include "scene/polygon_tree.h"
 #include "scene/sight.h"
 #include "sums/pair_count.h"
 #include "threads.h"
@@ -40,41 +38,6 @@ constexpr double kUnitShare = 0x1p-14, kUnitOfLargest = 0x1p-42, kMostUnitShare 
 constexpr size_t kRaysOfStray = 256, kMostStrays = 64;
 constexpr size_t kChunk = 16;          // polygons that a thread takes at once
 constexpr double kMostHits = 1 << 24;  // numbers of hits that threads keep, by block and polygon
-constexpr float kLeastRoot = 1e-12f;   // numbers are raised to it before their root is taken
-
-// Returns the square root of numbers from 0 to 1.
-template <class Floats>
-VIEWPEEL_INLINE Floats rootOf(const Floats& x) {
-  const Floats positive = greatest(x, Floats(kLeastRoot));
-  return positive * inverseRoot(positive);
-}
-
-// Sets the cosine and the sine of an angle, to 2e-7.    In: turn: the angle over that of a whole turn, in [0, 1)
-template <class Floats>
-VIEWPEEL_INLINE void turnBy(const Floats& turn, Floats& cosine, Floats& sine) {
-  constexpr auto kHalfRoot = static_cast<float>(std::numbers::sqrt2 / 2),
-                 kQuarter = static_cast<float>(std::numbers::pi / 2);
-  // The angle is a number of quarters, an eighth, and a rest within an eighth, whose series are Taylor's.
-  const Floats quarters = wholeOf(4.0f * turn), rest = (4.0f * turn - quarters - 0.5f) * kQuarter, square = rest * rest;
-  const Floats s = rest * (1.0f + square * (-1 / 6.0f + square * (1 / 120.0f + square * (-1 / 5040.0f)))),
-               c = 1.0f + square * (-0.5f + square * (1 / 24.0f + square * (-1 / 720.0f + square * (1 / 40320.0f))));
-  const Floats x = (c - s) * kHalfRoot, y = (c + s) * kHalfRoot;
-  const Floats is_odd = quarters - 2.0f * wholeOf(0.5f * quarters),
-               sign = ifBelow(Floats(1.5f), quarters, Floats(-1.0f), Floats(1.0f));
-  cosine = sign * ifBelow(Floats(0.5f), is_odd, -y, x);
-  sine = sign * ifBelow(Floats(0.5f), is_odd, x, y);
-}
-
-// An Emitter is a side of a polygon, from which rays start.
-struct Emitter {
-  dvec3 corner;      // of the polygon, which consists of one triangle or two. From it run sides of these triangles.
-  Point corners[3];  // the others, relative to the first; the last two of a triangle are the same
-  Point along_first, along_second;
-  float first_share;                   // of the first triangle in the area
-  float reach;                         // of the polygon
-  Point axes[3];                       // the last one is the side's normal
-  std::vector<RayTree::Facet> covers;  // polygons that coincide with this one and hide the side, nearest first
-};
 
 bool isSliver(const Scene& scene, const Polygon& polygon) {
   const double perimeter = perimeterOf(scene, polygon);
@@ -134,7 +97,6 @@ class TreeRayEngine : public RayEngine {
     uint64_t seed;
     double weight;  // mean weight of a direction
   };
-  Emitter emitterOf(uint32_t polygon, bool from_front, const PolygonTree& near) const;
   uint32_t raysOf(uint32_t id, size_t directions) const {
     return rays_.empty() ? static_cast<uint32_t>(directions) : rays_[id];
   }
@@ -143,8 +105,6 @@ class TreeRayEngine : public RayEngine {
   void drawDigits(uint32_t points);
   void castFrom(size_t emitter, uint32_t rays, std::span<const Series> blocks, Worker& worker) const;
   void castBundle(size_t emitter, Worker& worker) const;
-  template <class Floats>
-  static Rays<Floats> start(const Emitter& from, uint32_t plane, const Floats* u);
   template <class Floats>
   void cast(size_t emitter, const RayBundle& bundle, std::vector<Hits>& hits) const;
   // Adds a ray that leaves the scene.
@@ -174,8 +134,8 @@ class TreeRayEngine : public RayEngine {
   const Vectors vectors_ = widestVectors();
   const RayTree tree_;
   double unit_;
-  std::vector<Emitter> emitters_;  // by polygon and side
-  std::vector<bool> slivers_;      // by polygon, whether it isSliver()
+  const std::vector<Emitter> emitters_;  // by polygon and side
+  std::vector<bool> slivers_;            // by polygon, whether it isSliver()
   mutable std::once_flag sight_is_made_;
   mutable std::optional<Sight> sight_;  // where a ray is cast in double precision
   std::vector<uint32_t> rays_;          // by id, of all sides; empty: as many as directions
@@ -191,38 +151,9 @@ TreeRayEngine::TreeRayEngine(const Scene& scene, const Ids& ids, const LatticeOp
       stop_(options.stop),
       on_batch_(options.on_batch),
       tree_(scene, ids.two_sided),
-      unit_(unitShareOf(scene) * std::ranges::min(scene.polygons, {}, &Polygon::area).area) {
-  const PolygonTree near(scene);
-  for (uint32_t k = 0; k < scene.polygons.size(); ++k)
-    for (uint32_t side = 0; side < sides_; ++side) emitters_.push_back(emitterOf(k, side == 0, near));
+      unit_(unitShareOf(scene) * std::ranges::min(scene.polygons, {}, &Polygon::area).area),
+      emitters_(makeEmitters(scene, sides_)) {
   for (const Polygon& polygon : scene.polygons) slivers_.push_back(isSliver(scene, polygon));
-}
-
-Emitter TreeRayEngine::emitterOf(uint32_t index, bool from_front, const PolygonTree& near) const {
-  const Polygon& polygon = scene_.polygons[index];
-  const dvec3* const c = &scene_.corners[polygon.first_corner];
-  const dvec3& last = c[polygon.corner_count - 1];
-  const dvec3 front = frontNormal(scene_, polygon), normal = from_front ? front : -front,
-              across = glm::normalize(glm::cross(normal, std::abs(normal.x) < 0.6 ? dvec3(1, 0, 0) : dvec3(0, 1, 0)));
-  Emitter emitter{.corner = c[0],
-                  .corners = {pointOf(c[1] - c[0]), pointOf(c[2] - c[0]), pointOf(last - c[0])},
-                  .along_first = pointOf(c[2] - c[1]),
-                  .along_second = pointOf(last - c[2]),
-                  .first_share = 1,
-                  .reach = reachOf(scene_, polygon),
-                  .axes = {pointOf(across), pointOf(glm::cross(normal, across)), pointOf(normal)},
-                  .covers = {}};
-  if (polygon.corner_count == 4)
-    emitter.first_share = static_cast<float>(glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) / (2 * polygon.area));
-  std::vector<std::pair<int, uint32_t>> covers;
-  near.forEachNear(index, 0, [&](uint32_t other) {
-    const int steps = (levelOf(scene_.polygons[other]) - levelOf(polygon)) *
-                      (polygon.front_along_plane_normal == from_front ? 1 : -1);
-    if (scene_.polygons[other].plane == polygon.plane && steps > 0) covers.emplace_back(steps, other);
-  });
-  std::ranges::sort(covers);
-  for (const auto& [steps, other] : covers) emitter.covers.push_back(RayTree::facetOf(scene_, other));
-  return emitter;
 }
 
 void TreeRayEngine::drawDigits(uint32_t points) {
@@ -230,34 +161,6 @@ void TreeRayEngine::drawDigits(uint32_t points) {
   for (int d = 0; d < RayBundle::kNumbers; ++d)
     for (size_t k = digits_[d].size(); k < whole; ++k)
       digits_[d].push_back(kSobol.digitsOf(static_cast<uint32_t>(k), d));
-}
-
-// Returns sixteen rays.    In: u: four numbers in [0, 1) for each, which give height, turn, and the place of the start
-template <class Floats>
-VIEWPEEL_INLINE Rays<Floats> TreeRayEngine::start(const Emitter& from, uint32_t plane, const Floats* u) {
-  Floats cosine, sine;
-  turnBy(u[1], cosine, sine);
-  const Floats radius = rootOf(u[0]), x = radius * cosine, y = radius * sine, z = rootOf<Floats>(1.0f - u[0]);
-  Rays<Floats> rays;
-  rays.origin = from.corner, rays.corners = from.corners, rays.reach = from.reach;
-  const auto along = [&](float a, float b, float c) __attribute__((always_inline)) { return x * a + y * b + z * c; };
-  rays.direction = {along(from.axes[0].x, from.axes[1].x, from.axes[2].x),
-                    along(from.axes[0].y, from.axes[1].y, from.axes[2].y),
-                    along(from.axes[0].z, from.axes[1].z, from.axes[2].z)};
-  // The first number chooses a triangle, and then is uniform again.
-  const Floats share = from.first_share, rest = greatest(1.0f - share, Floats(kLeastRoot));
-  const Floats from_corner = rootOf(ifBelow(u[2], share, u[2] / share, (u[2] - share) / rest));
-  const auto place = [&](float to_first, float along_first, float to_second, float along_second)
-      __attribute__((always_inline)) {
-    const Floats to = ifBelow(u[2], share, Floats(to_first), Floats(to_second)),
-                 further = ifBelow(u[2], share, Floats(along_first), Floats(along_second));
-    return from_corner * (to + u[3] * further);
-  };
-  rays.start = {place(from.corners[0].x, from.along_first.x, from.corners[1].x, from.along_second.x),
-                place(from.corners[0].y, from.along_first.y, from.corners[1].y, from.along_second.y),
-                place(from.corners[0].z, from.along_first.z, from.corners[1].z, from.along_second.z)};
-  rays.plane = plane;
-  return rays;
 }
 
 // Casts the rays of one side of a polygon, of all these blocks.    In: rays: of a block
@@ -299,7 +202,7 @@ template <class Floats>
   for (uint32_t first = 0; first < bundle.size(); first += kLineLanes) {
     Floats u[RayBundle::kNumbers];
     for (int d = 0; d < RayBundle::kNumbers; ++d) u[d] = bundle.numbersOf<Floats>(first, d);
-    Rays<Floats> rays = start(from, plane, u);
+    Rays<Floats> rays = startRays(from, plane, u);
     rays.distance = Floats(kFarAway), rays.facet = Floats{};
     tree_.meet(rays);
     const int lanes = static_cast<int>(std::min<uint32_t>(kLineLanes, bundle.size() - first));
