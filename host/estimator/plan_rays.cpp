@@ -22,8 +22,6 @@ constexpr double kRayRate = 0.7;
 // differ from it by 0.35 to 0.8 of its value (a city of 2,892 triangles). No row is taken to vary less, for no standard
 // error is stated to be smaller (MixtureEntries).
 constexpr double kBinomialDegrees = 7;
-// No polygon has fewer rays than this share of the most: they count the pairs between polygons, too.
-constexpr double kLeastShare = 1.0 / 8;
 
 // Returns by row the sum of its faces' areas, and the sum of their squares.
 std::pair<std::vector<double>, std::vector<double>> sumAreas(const Ids& face_ids,
@@ -142,7 +140,7 @@ PlannedRays RayPlanner::plan(const EstimateOptions& options) const {
     outside[row] = std::min(double(kMostRaysOfRow), std::max(needOf(environment_[row], row), needOf(leak_[row], row)));
     if (may_be_alone) alone[row] = std::min(double(kMostRaysOfRow), std::max(outside[row], needOfPairs(row)));
   }
-  return {raysOfFaces(outside, kLeastShare), may_be_alone ? raysOfFaces(alone, 0) : std::vector<uint32_t>()};
+  return {raysOfFaces(outside, kLeastShareOfRays), may_be_alone ? raysOfFaces(alone, 0) : std::vector<uint32_t>()};
 }
 
 }  // namespace viewpeel

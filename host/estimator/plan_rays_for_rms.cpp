@@ -14,8 +14,6 @@ namespace {
 // Environments vary so much less than by independent rays: some 1.0 n^-0.4 for n rays in a replicate (plan_rays.cpp),
 // here 100 to 200. Pairs of few rays gain next to nothing from even points.
 constexpr double kEnvironmentEfficiency = 0.15;
-// No polygon has fewer rays than this share of the most: other goals than the sum of squares matter, too.
-constexpr double kLeastShare = 1.0 / 8;
 constexpr int kStepsToEqualGains = 8;
 // Usual numbers of rays are 4/3 or 3/2 of each other. Below 1 / kRoundedUp of a number the next smaller one is taken.
 constexpr double kRoundedUp = 0.85, kScaleStep = 1.05;
@@ -78,7 +76,7 @@ std::vector<uint32_t> RmsRayPlanner::plan(const std::vector<LinePair>& with_line
     const std::vector<double> gained = gains(pairs, rays);
     for (size_t face = 0; face < face_count; ++face) rays[face] *= std::sqrt(gained[face]);
     const double most = *std::ranges::max_element(rays);
-    for (double& of_face : rays) of_face = most > 0 ? std::max(of_face / most, kLeastShare) : 1;
+    for (double& of_face : rays) of_face = most > 0 ? std::max(of_face / most, kLeastShareOfRays) : 1;
   }
   // Numbers of rays are rounded to usual ones, so one scale after another is tried.
   const double allowed = (1 - kLinesOfSquares) * std::pow(*options.rms * double(face_count), 2) * options.replicates;

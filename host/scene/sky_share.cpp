@@ -14,23 +14,23 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kSets = 8, kRays = 8192;  // sets of rays, and rays of a set
-constexpr double kLeastSquare = 1e-4;        // of the cosine of a ray, 0.01
+constexpr double kLeastSkySquare = 1e-4;     // of the cosine of a ray, 0.01
 
-constexpr int kNumbers = 5;  // of a ray: polygon, two for the place of its start, height and turn
-using Shifts = std::array<uint64_t, kNumbers>;
+constexpr int kNumbersOfSkyRay = 5;  // of a ray: polygon, two for the place of its start, height and turn
+using Shifts = std::array<uint64_t, kNumbersOfSkyRay>;
 
 // Returns which share of blocked rays goes up; 1/2 where no ray is blocked. The rays of a set are even: their numbers
 // are Sobol' points.    In: shifts: random digits, which are added to those of the points without carry
 double blockedAbove(const Sight& sight, const std::vector<uint32_t>& polygons, const std::vector<double>& area_sums,
                     double n_z, const Shifts& shifts) {
-  boost::random::sobol points(kNumbers);
+  boost::random::sobol points(kNumbersOfSkyRay);
   uint32_t rays[2] = {0, 0}, blocked[2] = {0, 0};  // down, up
   for (uint32_t k = 0; k < kRays; ++k) {
-    double u[kNumbers];
-    for (int d = 0; d < kNumbers; ++d) u[d] = double((points() ^ shifts[d]) >> 11) * 0x1p-53;
+    double u[kNumbersOfSkyRay];
+    for (int d = 0; d < kNumbersOfSkyRay; ++d) u[d] = double((points() ^ shifts[d]) >> 11) * 0x1p-53;
     const uint32_t polygon = polygons[pickBySums(area_sums, u[0] * area_sums.back())];
     const glm::dvec3 point = sight.pointOn(polygon, u[1], u[2]),
-                     direction = sight.directionFrom(polygon, true, std::lerp(kLeastSquare, 1.0, u[3]), u[4]);
+                     direction = sight.directionFrom(polygon, true, std::lerp(kLeastSkySquare, 1.0, u[3]), u[4]);
     const bool is_up = direction.z > 0;
     ++rays[is_up];
     blocked[is_up] += sight.look(polygon, point, direction).polygon != Sight::kNothing;

@@ -30,7 +30,7 @@ namespace {
 
 namespace ts = test_scenes;
 
-constexpr double kGoal = 0.1, kRelativeGoal = 0.5, kRmsGoal = 1e-3;
+constexpr double kGoal = 0.1, kRelativeGoal = 0.5, kMeanGoal = 1e-3;
 constexpr size_t kReplicates = 8;  // planned
 
 Scene city() { return buildScene(bench::triangulatedCity(1'000).scene); }
@@ -151,7 +151,7 @@ TEST(RayMixture, LinesOfARowKeepToTheTolerance) {
 
 TEST(RayMixture, BitsDependOnSeedsAlone) {
   const Scene scene = city();
-  for (const Goal& goal : {Goal(Tolerance{kGoal}), Goal(RootMeanSquare{kRmsGoal})}) {
+  for (const Goal& goal : {Goal(Tolerance{kGoal}), Goal(RootMeanSquare{kMeanGoal})}) {
     Request request = requestFor(kGoal, 1);
     request.goal = goal;
     const FormFactors one = computeFormFactors(scene, request).form_factors;
@@ -194,7 +194,7 @@ TEST(RayMixture, GoesOnFromACheckpoint) {
   // Some checkpoints are of a run whose rows that miss the goal have further rays.
   expectSameBitsFromCheckpoints(requestFor(kGoal), {2, int(kReplicates), -2}, kReplicates + 2);
   Request request = requestFor(kGoal);
-  request.goal = RootMeanSquare{kRmsGoal};
+  request.goal = RootMeanSquare{kMeanGoal};
   expectSameBitsFromCheckpoints(request, {2, int(kReplicates) - 2}, kReplicates);
 }
 
@@ -324,8 +324,8 @@ TEST(RayMixture, FurtherReplicatesCountForTheirRowsAlone) {
   EXPECT_DOUBLE_EQ(found.rowSums()[0].value, 2 * 117 / 2.0);
 }
 
-// Numbers of rays vary by a factor of 8 at most (kLeastShare). With these rays errors of environments are within the
-// tolerance, and about as large in all rows that have more rays than the least.
+// Numbers of rays vary by a factor of 8 at most (kLeastShareOfRays). With these rays errors of environments are within
+// the tolerance, and about as large in all rows that have more rays than the least.
 TEST(RayMixture, RaysGoToRowsThatErr) {
   const Scene scene = city();
   const Ids ids = makeIds(scene, By::polygon, false);

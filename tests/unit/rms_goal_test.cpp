@@ -103,10 +103,10 @@ TEST_F(RmsGoal, IsTrueByRays) {
 // the pilot's squares err by a few hundredths. Equal numbers for all polygons would be more rays.
 TEST(RmsRays, AreAsManyAsTheGoalNeeds) {
   constexpr double kRough = 3e-4, kOff = 0.1, kRounded = 1.5;
-  constexpr uint32_t kReplicates = 8;
+  constexpr uint32_t kPlannedReplicates = 8;
   const Scene scene = buildScene(bench::triangulatedCity(1'000).scene);
   const Ids ids = makeIds(scene, By::polygon, false);
-  const EstimateOptions options{.replicates = kReplicates, .rms = kRough};
+  const EstimateOptions options{.replicates = kPlannedReplicates, .rms = kRough};
   const std::vector<LinePair> with_lines =
       PairLines(scene, ids, {}, 1).find(leastFormFactorBesideRays(options, ids.count()));
   ASSERT_FALSE(with_lines.empty());
@@ -123,7 +123,7 @@ TEST(RmsRays, AreAsManyAsTheGoalNeeds) {
       const double a = ids.areas[entry.i], b = ids.areas[entry.j];
       all += (1 / (a * a) + 1 / (b * b)) * entry.exchange_area.value / (rays[entry.i] / a + rays[entry.j] / b);
     }
-    return all / kReplicates;
+    return all / kPlannedReplicates;
   };
   const double allowed = (1 - kLinesOfSquares) * std::pow(kRough * ids.count(), 2);
   EXPECT_LE(squares(planned), (1 + kOff) * allowed);
