@@ -33,8 +33,9 @@ constexpr size_t kMostPolygons = 1 << 24;  // their numbers are exact in single 
 // One count stands for kUnitShare of the smallest polygon's area, or for kUnitOfLargest of the largest one's where this
 // is more: then 2^20 rays are less than 2^61 counts. At most it is kMostUnitShare of the smallest one's.
 constexpr double kUnitShare = 0x1p-14, kUnitOfLargest = 0x1p-42, kMostUnitShare = 0x1p-4;
-// Where at most one of so many rays strays, or one in all, the strays are cast again in double precision. This takes
-// some 13 times as long, so that it adds a twentieth at most to the time of many rays.
+// Where at most one of so many rays leaves the scene, or one in all, these rays are cast again in double precision, and
+// so are rays that end on backs. This takes some 13 times as long, so that it adds a tenth at most to the time of many
+// rays.
 constexpr size_t kRaysOfStray = 256, kMostStrays = 64;
 constexpr size_t kChunk = 16;          // polygons that a thread takes at once
 constexpr double kMostHits = 1 << 24;  // numbers of hits that threads keep, by block and polygon
@@ -74,17 +75,19 @@ class TreeRayEngine : public RayEngine {
   std::string describePlan() const override { return "rays of each polygon's own\n"; }
 
  private:
-  // A Stray is a ray that leaves the scene or ends on a back: its four numbers, and where it starts.
+  struct Hits;
+  // A Stray is a ray that leaves the scene or ends on a back: its four numbers, where it starts, and where it counts.
   struct Stray {
     std::array<float, RayBundle::kNumbers> u;
     bool from_front;
+    uint64_t Hits::*counted = nullptr;  // null: nowhere
   };
   // Hits are the ends of a polygon's rays of one block.
   struct Hits {
-    std::vector<uint32_t> of_polygon;    // by polygon: rays that end on it; empty where only the outside counts
-    std::vector<uint32_t> polygons;      // with rays, in any order
-    uint64_t environment = 0, leak = 0;  // with a horizon: the environment above and below it
-    std::vector<Stray> strays;           // in single precision, as long as they are few
+    std::vector<uint32_t> of_polygon;      // by polygon: rays that end on it; empty where only the outside counts
+    std::vector<uint32_t> polygons;        // with rays, in any order
+    uint64_t environment = 0, leak = 0;    // with a horizon: the environment above and below it
+    std::vector<Stray> outside, on_backs;  // strays in single precision, as long as they are few
   };
   // A Worker is what one thread needs, and what it has counted.
   struct Worker {
@@ -107,12 +110,11 @@ class TreeRayEngine : public RayEngine {
   void castBundle(size_t emitter, Worker& worker) const;
   template <class Floats>
   void cast(size_t emitter, const RayBundle& bundle, std::vector<Hits>& hits) const;
-  // Adds a ray that leaves the scene.
-  void addOutside(const Point& direction, Hits& hits) const {
-    ++(up_ && dot(direction, *up_) <= 0 ? hits.leak : hits.environment);
+  // These return where a ray counts that leaves the scene, or ends on a back.
+  uint64_t Hits::*placeOutside(const Point& direction) const {
+    return up_ && dot(direction, *up_) <= 0 ? &Hits::leak : &Hits::environment;
   }
-  // Adds a ray that ends on a back.
-  void addLeak(Hits& hits) const { hits.leak += !up_; }
+  uint64_t Hits::*placeOnBack() const { return up_ ? nullptr : &Hits::leak; }
   static void addHit(uint32_t polygon, Hits& hits) {
     if (!hits.of_polygon.empty() && hits.of_polygon[polygon]++ == 0) hits.polygons.push_back(polygon);
   }
@@ -222,9 +224,11 @@ template <class Floats>
         addHit(end->polygon, of_block);
         continue;
       }
-      end ? addLeak(of_block) : addOutside(direction, of_block);
-      if (of_block.strays.size() < kMostStrays)
-        of_block.strays.push_back({{u[0][lane], u[1][lane], u[2][lane], u[3][lane]}, emitter % sides_ == 0});
+      uint64_t Hits::*const counted = end ? placeOnBack() : placeOutside(direction);
+      if (counted) ++(of_block.*counted);
+      std::vector<Stray>& strays = end ? of_block.on_backs : of_block.outside;
+      if (strays.size() < kMostStrays)
+        strays.push_back({{u[0][lane], u[1][lane], u[2][lane], u[3][lane]}, emitter % sides_ == 0, counted});
     }
   }
 }
@@ -233,7 +237,7 @@ template <class Floats>
 void TreeRayEngine::castFromSliver(uint32_t polygon, bool from_front, const RayBundle& bundle,
                                    std::vector<Hits>& hits) const {
   for (uint32_t ray = 0; ray < bundle.size(); ++ray) {
-    Stray of_ray{.u = {}, .from_front = from_front};
+    Stray of_ray{.u = {}, .from_front = from_front, .counted = nullptr};
     for (int d = 0; d < RayBundle::kNumbers; ++d) of_ray.u[d] = bundle.numberOf(ray, d);
     castInDouble(polygon, of_ray, hits[bundle.blockOf(ray)]);
   }
@@ -242,9 +246,10 @@ void TreeRayEngine::castFromSliver(uint32_t polygon, bool from_front, const RayB
 void TreeRayEngine::castInDouble(uint32_t polygon, const Stray& ray, Hits& hits) const {
   const dvec3 direction = sight().directionFrom(polygon, ray.from_front, 1 - double(ray.u[0]), double(ray.u[1]));
   const Sight::End end = sight().look(polygon, sight().pointOn(polygon, double(ray.u[2]), double(ray.u[3])), direction);
-  if (end.polygon == Sight::kNothing) addOutside(pointOf(direction), hits);
-  else if (!ids_.two_sided && !end.is_front) addLeak(hits);
-  else addHit(end.polygon, hits);
+  const bool is_outside = end.polygon == Sight::kNothing;
+  if (!is_outside && (ids_.two_sided || end.is_front)) return addHit(end.polygon, hits);
+  uint64_t Hits::*const counted = is_outside ? placeOutside(pointOf(direction)) : placeOnBack();
+  if (counted) ++(hits.*counted);
 }
 
 // Casts the strays of one polygon's rays again in double precision, where they are so few that they may have passed
@@ -252,11 +257,14 @@ void TreeRayEngine::castInDouble(uint32_t polygon, const Stray& ray, Hits& hits)
 void TreeRayEngine::castStraysAgain(uint32_t polygon, size_t directions, Hits& hits) const {
   const size_t few =
       std::clamp<size_t>(raysOf(ids_.of_polygon[polygon], directions) / kRaysOfStray, 1, kMostStrays - 1);
-  if (!hits.strays.empty() && hits.strays.size() <= few) {
-    hits.environment = hits.leak = 0;
-    for (const Stray& stray : hits.strays) castInDouble(polygon, stray, hits);
+  for (std::vector<Stray>* const strays : {&hits.outside, &hits.on_backs}) {
+    for (size_t k = 0; k < strays->size() && strays->size() <= few; ++k) {
+      const Stray& stray = (*strays)[k];
+      if (stray.counted) --(hits.*stray.counted);
+      castInDouble(polygon, stray, hits);
+    }
+    strays->clear();
   }
-  hits.strays.clear();
 }
 
 // Turns the hits of one polygon's rays into counts, and clears them.    In: weight: of a direction

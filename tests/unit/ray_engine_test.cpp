@@ -190,6 +190,29 @@ TEST(RayEngine, RowsOfAClosedSceneAddUpToOneWithoutLeak) {
   }
 }
 
+// A body with an inner edge is seen from outside. Half of all rays leave the scene, and rays that end on backs, as past
+// the edges of its many parts, are cast again alone.
+TEST(RayEngine, NoRayEntersABody) {
+  const glm::dvec3 up(0, 0, 1),
+      corners[] = {{0, 0, 0}, {2, 0, 0}, {2, 1, 0}, {1, 1, 0}, {1, 2, 0}, {0, 2, 0}, {0, 0, 0}};
+  InputScene input;
+  for (size_t k = 0; k + 1 < std::size(corners); ++k)
+    ts::addFace(input, "side", ts::parallelogram(corners[k], corners[k + 1] - corners[k], up));
+  for (const glm::dvec3& height : {glm::dvec3(0), up}) {
+    const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z = height;
+    const bool is_top = height == up;
+    ts::addFace(input, "end", is_top ? ts::parallelogram(z, 2.0 * x, y) : ts::parallelogram(z, y, 2.0 * x));
+    ts::addFace(input, "end", is_top ? ts::parallelogram(y + z, x, y) : ts::parallelogram(y + z, y, x));
+  }
+  const Scene scene = buildScene(bench::refined(buildScene(input), 6));
+  const Ids ids = makeIds(scene, By::surface, false);
+  const FormFactors found = byRays(scene, ids, 1024);
+  EXPECT_EQ(found.formFactor(0, kLeak).value, 0);
+  EXPECT_EQ(found.formFactor(1, kLeak).value, 0);
+  // The inner sides see each other as two squares with a common edge do.
+  EXPECT_NEAR(found.formFactor(0, 0).value, 2 * 0.2000437 / 8, 1e-3);
+}
+
 // A lamp sees the sky through a slit, by 1 of 1,000 rays. So few rays leave the scene that they are cast again, and
 // leave it again.
 TEST(RayEngine, FewRaysThatLeaveTheSceneDoLeaveIt) {
