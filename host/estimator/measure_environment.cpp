@@ -40,9 +40,13 @@ constexpr int kFinestResolution = 1024;
 // rays.
 constexpr uint32_t kFirstRays = 64, kMostRays = 1 << 16;
 constexpr double kRayExponent = 0.6, kMostRayGrowth = 16;
-// A direction takes the time of this many rays, or quick rays, for each polygon of the scene. Sobol' points need about
-// this share of the rays that independent ones need.
-constexpr double kRaysOfDirection = 0.1, kQuickRaysOfDirection = 1.3, kShareOfIndependent = 0.2;
+// A direction takes the time of this many rays, or quick rays, for each polygon of the scene.
+constexpr double kRaysOfDirection = 0.1, kQuickRaysOfDirection = 1.3;
+// Variances of n Sobol' points are n^-0.4 of those of independent ones (plan_rays.cpp). So where N independent rays in
+// a replicate would do, N to this power do. Rays of all rounds are this many times those of the last one.
+constexpr double kRaysOfIndependent = 1 / 1.4, kRoundsOfRays = 1.5;
+// The share s of a row's environment comes from few lines. So its variance s (1 - s) is taken to be at least this.
+constexpr double kLeastBinomial = 0.05;
 
 // Counts hold the lines of one replicate that leave the scene above the horizon (up) and below it: double[row].
 struct Counts {
@@ -153,8 +157,10 @@ class Measurement {
     double rays = 0;
     for (uint32_t row = 0; row < ids_.count(); ++row) {
       if (largestError(parts, row) <= request_.tolerance) continue;
-      const double independent = 0.25 / std::pow(request_.tolerance, 2);
-      rays += std::clamp<double>(kShareOfIndependent * independent, kReplicates * kFirstRays, kReplicates * kMostRays);
+      const double share = parts.all[row].value,
+                   independent = std::max(kLeastBinomial, share * (1 - share)) / std::pow(request_.tolerance, 2),
+                   needed = kReplicates * std::pow(independent / kReplicates, kRaysOfIndependent);
+      rays += std::clamp<double>(kRoundsOfRays * needed, kReplicates * kFirstRays, kReplicates * kMostRays);
     }
     return rays;
   }

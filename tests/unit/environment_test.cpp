@@ -10,6 +10,7 @@
 #include "estimator/environment_rays.h"
 #include "reference/closed_forms/rectangles.h"
 #include "scenes/named_scenes.h"
+#include "scenes/triangulated_city.h"
 #include "stopwatch.h"
 #include "tests/support/enclosures.h"
 #include "tests/support/reference_shapes.h"
@@ -242,6 +243,21 @@ TEST(Environment, RaysAreForWhatIsOpen) {
   const EnvironmentParts divided = measureEnvironment(scene, request);
   EXPECT_TRUE(divided.is_reached);
   for (uint32_t row = 0; row < 9; ++row) EXPECT_LE(0.01 * divided.up_share[row].standard_error, 3e-3) << row;
+}
+
+// The number of rays that a run expects decides whether it casts them. It is near to the number then cast: within the
+// rounding of the last round, which may have 1.5 times as many rays as it needs (kLeastGrowth), and what rows differ.
+TEST(Environment, ExpectsAboutTheRaysThatItCasts) {
+  const Scene scene = buildScene(bench::triangulatedCity(1'000).scene);
+  for (const double tolerance : {1e-2, 2e-3}) {
+    EnvironmentRequest request{.tolerance = tolerance};
+    const auto rays = double(measureEnvironment(scene, request).rays);
+    ASSERT_GT(rays, 1e5);
+    request.most_rays = 2 * rays;
+    EXPECT_TRUE(measureEnvironment(scene, request).is_reached) << tolerance;
+    request.most_rays = rays / 2;
+    EXPECT_EQ(measureEnvironment(scene, request).rays, 0u) << tolerance;
+  }
 }
 
 // A time limit ends a run within a round. The run does not wait for eight replicates of some 10,000 directions or
