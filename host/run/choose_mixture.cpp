@@ -220,12 +220,13 @@ bool FormFactorRun::State::takeRaysForRms() {
   const EstimateOptions& options = setup.estimate();
   const PairNumbers numbers = pairNumbers();
   const double small = pair_sample->sumOfSmall(leastFormFactorBesideRays(options, face_count)),
-               least_rays = double(RayEngine::kLeastRays) * options.replicates * double(face_count);
+               least_rays = double(RayEngine::kLeastRays) * options.replicates,
+               polygons = numberOfRays(std::vector<uint32_t>(face_count, 1)) / options.replicates;  // by costOfRay()
   const auto pays = [&](double form_factors) {
-    const double all_rays =
-        std::max(least_rays, raysForRms(form_factors, face_count, *options.rms) / (1 - kLinesOfSquares));
-    return paysRaysForRms(numbers, kPilotRays * double(face_count) + all_rays, may_leave) &&
-           std::min(all_rays, numbers.facing) <= enoughCounts(face_count);
+    const double all_rays = raysForRms(form_factors, face_count, *options.rms) / (1 - kLinesOfSquares),
+                 of_each = std::max(least_rays, all_rays / double(face_count));
+    return paysRaysForRms(numbers, (kPilotRays + of_each) * polygons, may_leave) &&
+           std::min(of_each * polygons, numbers.facing) <= enoughCounts(face_count);
   };
   if (!pays(small)) return false;
   rms_planner.emplace(rayEngine(), setup.scene(), setup.faceIds(), setup.request().seed);
