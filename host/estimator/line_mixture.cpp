@@ -132,8 +132,8 @@ double secondsWithDirections(const LineWork& work, const LineMixture& mixture, u
          countedPairs(work, mixture, replicates) * kSecondsOfCount;
 }
 
-double secondsWithRays(const PairNumbers& pairs, double rays) {
-  return secondsOfFew(pairs, secondsInOpen(pairs), pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
+double secondsWithRays(const PairNumbers& pairs, double rays, bool is_open) {
+  return secondsOfFew(pairs, secondsOfLines(pairs, is_open), pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
 }
 
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
@@ -141,15 +141,9 @@ bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t 
          secondsInClosed(work.pairs) <= std::max(kSoon, kWorth * secondsWithDirections(work, mixture, replicates));
 }
 
-bool paysRays(const PairNumbers& pairs, double rays, bool may_promise) {
-  return !mayFindAll(pairs) || secondsInOpen(pairs) > std::max(kSoon, (may_promise ? kPromiseWorth : kWorthBesideRays) *
-                                                                          secondsWithRays(pairs, rays));
-}
-
-bool paysRaysForRms(const PairNumbers& pairs, double rays, bool is_open) {
-  const double of_all = secondsOfLines(pairs, is_open),
-               of_mixture = secondsOfFew(pairs, of_all, pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
-  return !mayFindAll(pairs) || of_all > std::max(kSoon, kWorthBesideRays * of_mixture);
+bool paysRays(const PairNumbers& pairs, double rays, bool may_promise, bool is_open) {
+  const double of_mixture = (may_promise ? kPromiseWorth : kWorthBesideRays) * secondsWithRays(pairs, rays, is_open);
+  return !mayFindAll(pairs) || secondsOfLines(pairs, is_open) > std::max(kSoon, of_mixture);
 }
 
 double secondsOfRays(double rays) { return kSecondsOfRay * rays; }

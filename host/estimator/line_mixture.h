@@ -79,17 +79,15 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 //   Error: fits on some scenes and processors (line_mixture.cpp), within a factor of 2 there
 double secondsOfLines(const PairNumbers& pairs, bool is_open);
 double secondsWithDirections(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
-double secondsWithRays(const PairNumbers& pairs, double rays);
+double secondsWithRays(const PairNumbers& pairs, double rays, bool is_open = true);
 // Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time, or
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 // Returns whether the mixture with rays takes so much less time than lines for all pairs that these, which are far more
 // exact, do not pay.
 //   In: rays: of all polygons, in all replicates; may_promise: whether lines for all pairs may become a promise, which
-//     is worth more
-bool paysRays(const PairNumbers& pairs, double rays, bool may_promise);
-// The same where the goal is the root mean square of all errors, which promises nothing.
-bool paysRaysForRms(const PairNumbers& pairs, double rays, bool is_open);
+//     is worth more; is_open: whether lines leave the scene
+bool paysRays(const PairNumbers& pairs, double rays, bool may_promise, bool is_open = true);
 // Returns how many rays all polygons need in all replicates where the goal is the root mean square of all errors:
 // docs/method.md, eq. (48d).    In: form_factors: sum over the pairs that rays count, from the smaller face
 double raysForRms(double form_factors, size_t face_count, double rms);

@@ -225,7 +225,7 @@ bool FormFactorRun::State::takeRaysForRms() {
   const auto pays = [&](double form_factors) {
     const double all_rays = raysForRms(form_factors, face_count, *options.rms) / (1 - kLinesOfSquares),
                  of_each = std::max(least_rays, all_rays / double(face_count));
-    return paysRaysForRms(numbers, (kPilotRays + of_each) * polygons, may_leave) &&
+    return paysRays(numbers, (kPilotRays + of_each) * polygons, false, may_leave) &&
            std::min(of_each * polygons, numbers.facing) <= enoughCounts(face_count);
   };
   if (!pays(small)) return false;

@@ -13,9 +13,7 @@ namespace {
 
 using glm::dvec3;
 
-// At smaller cosines the hits of coincident polygons may be far apart on a ray.
-constexpr double kLeastSightCosine = 0.01;
-constexpr double kStepBack = 2 * kCoincidenceReach / kLeastSightCosine;
+constexpr double kStepBack = 2 * kCoincidenceReach / Sight::kLeastCosine;
 
 }  // namespace
 
@@ -48,7 +46,7 @@ dvec3 Sight::pointOn(uint32_t polygon, double u, double v) const {
 }
 
 dvec3 Sight::directionFrom(uint32_t polygon, bool from_front) {
-  const double square = kLeastSightCosine * kLeastSightCosine + (1 - kLeastSightCosine * kLeastSightCosine) * uniform();
+  const double square = kLeastCosine * kLeastCosine + (1 - kLeastCosine * kLeastCosine) * uniform();
   return directionFrom(polygon, from_front, square, uniform());
 }
 

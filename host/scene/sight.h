@@ -13,6 +13,8 @@ namespace viewpeel {
 class Sight {
  public:
   static constexpr uint32_t kNothing = UINT32_MAX;
+  // Random directions have at least this cosine. At smaller ones hits of coincident polygons may be far apart on a ray.
+  static constexpr double kLeastCosine = 0.01;
   struct End {
     uint32_t polygon = kNothing;
     bool is_front = false;

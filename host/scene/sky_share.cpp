@@ -14,8 +14,7 @@ namespace viewpeel {
 namespace {
 
 constexpr uint32_t kSets = 8, kRays = 8192;  // sets of rays, and rays of a set
-constexpr double kLeastSkySquare = 1e-4;     // of the cosine of a ray, 0.01
-
+constexpr double kLeastSquareOfCosine = Sight::kLeastCosine * Sight::kLeastCosine;
 constexpr int kNumbersOfSkyRay = 5;  // of a ray: polygon, two for the place of its start, height and turn
 using Shifts = std::array<uint64_t, kNumbersOfSkyRay>;
 
@@ -30,7 +29,7 @@ double blockedAbove(const Sight& sight, const std::vector<uint32_t>& polygons, c
     for (int d = 0; d < kNumbersOfSkyRay; ++d) u[d] = double((points() ^ shifts[d]) >> 11) * 0x1p-53;
     const uint32_t polygon = polygons[pickBySums(area_sums, u[0] * area_sums.back())];
     const glm::dvec3 point = sight.pointOn(polygon, u[1], u[2]),
-                     direction = sight.directionFrom(polygon, true, std::lerp(kLeastSkySquare, 1.0, u[3]), u[4]);
+                     direction = sight.directionFrom(polygon, true, std::lerp(kLeastSquareOfCosine, 1.0, u[3]), u[4]);
     const bool is_up = direction.z > 0;
     ++rays[is_up];
     blocked[is_up] += sight.look(polygon, point, direction).polygon != Sight::kNothing;
