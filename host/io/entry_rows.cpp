@@ -36,22 +36,21 @@ std::vector<int64_t> EntryRows::startsOfRows() const {
   return starts;
 }
 
-void printEntries(const EntryRows& rows, std::ostream& out,
-                  const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print) {
-  constexpr size_t kEntriesOfText = 10'000;  // some ms of work and half a MB of text
+void makeRows(const EntryRows& rows, const std::function<void(uint32_t, uint32_t, fmt::memory_buffer&)>& make,
+              const std::function<void(std::span<const char>)>& use) {
+  constexpr size_t kEntriesTogether = 10'000;  // of texts some ms of work and half a MB
   const size_t threads = threadCount();
-  std::vector<fmt::memory_buffer> texts(4 * threads);
-  std::vector<uint32_t> ends;  // [texts] one past the last row of each text
+  std::vector<fmt::memory_buffer> parts(4 * threads);
+  std::vector<uint32_t> ends;  // [parts] one past the last row of each part
   for (uint32_t first = 0; first < rows.count(); first = ends.back()) {
     ends.clear();
-    for (uint32_t row = first; row < rows.count() && ends.size() < texts.size(); ends.push_back(row))
-      for (size_t entries = 0; row < rows.count() && entries < kEntriesOfText; ++row) entries += rows.countOf(row);
+    for (uint32_t row = first; row < rows.count() && ends.size() < parts.size(); ends.push_back(row))
+      for (size_t entries = 0; row < rows.count() && entries < kEntriesTogether; ++row) entries += rows.countOf(row);
     shareOut(threads, ends.size(), 1, [&](size_t, size_t k) {
-      texts[k].clear();
-      for (uint32_t row = k ? ends[k - 1] : first; row < ends[k]; ++row)
-        rows.forEachOf(row, [&](const RowEntry& entry) { print(entry, texts[k]); });
+      parts[k].clear();
+      make(k ? ends[k - 1] : first, ends[k], parts[k]);
     });
-    for (size_t k = 0; k < ends.size(); ++k) out.write(texts[k].data(), static_cast<std::streamsize>(texts[k].size()));
+    for (size_t k = 0; k < ends.size(); ++k) use({parts[k].data(), parts[k].size()});
   }
 }
 

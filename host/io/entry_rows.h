@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <functional>
 #include <ostream>
+#include <span>
 #include <vector>
 
 #include <fmt/format.h>
@@ -66,9 +67,39 @@ class EntryRows {
   std::vector<size_t> mirrored_;         // pairs (j, i) of row i, j < i
 };
 
-// Writes the text of each nonzero entry of the requested rows, row by row. All threads make texts, each of some rows.
-//   In: print(entry, text): appends to the text; threads call it at the same time    Cost: O(pairs).
-void printEntries(const EntryRows& rows, std::ostream& out,
-                  const std::function<void(const RowEntry&, fmt::memory_buffer&)>& print);
+// Makes bytes of rows on all threads, and uses them in the order of the rows.
+//   In: make(first, end, bytes): appends the bytes of rows first to end - 1; threads call it at the same time
+void makeRows(const EntryRows& rows, const std::function<void(uint32_t, uint32_t, fmt::memory_buffer&)>& make,
+              const std::function<void(std::span<const char>)>& use);
+
+// Makes bytes of each nonzero entry of the requested rows, as makeRows().
+//   In: make(entry, bytes): appends to the bytes; threads call it at the same time    Cost: O(pairs).
+template <class Make>
+void makeEntries(const EntryRows& rows, const Make& make, const std::function<void(std::span<const char>)>& use) {
+  const auto makeOfRows = [&](uint32_t first, uint32_t end, fmt::memory_buffer& bytes) {
+    for (uint32_t row = first; row < end; ++row)
+      rows.forEachOf(row, [&](const RowEntry& entry) { make(entry, bytes); });
+  };
+  makeRows(rows, makeOfRows, use);
+}
+
+// Makes the bytes of a column as makeEntries(): a value of type T for each entry between rows.
+template <class T, class ValueOf>
+void makeColumn(const EntryRows& rows, const ValueOf& valueOf, const std::function<void(std::span<const char>)>& use) {
+  const auto make = [&](const RowEntry& entry, fmt::memory_buffer& bytes) {
+    if (entry.j >= kEnvironment) return;
+    const T value = static_cast<T>(valueOf(entry));
+    const char* const first = reinterpret_cast<const char*>(&value);
+    bytes.append(first, first + sizeof value);
+  };
+  makeEntries(rows, make, use);
+}
+
+// Writes the text of each entry, as makeEntries().
+template <class Print>
+void printEntries(const EntryRows& rows, std::ostream& out, const Print& print) {
+  makeEntries(rows, print,
+              [&](std::span<const char> text) { out.write(text.data(), static_cast<std::streamsize>(text.size())); });
+}
 
 }  // namespace viewpeel

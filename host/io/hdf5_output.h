@@ -6,6 +6,7 @@
 #include <functional>
 #include <map>
 #include <ostream>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,6 +22,11 @@ class ByteSink {
   void put(T value) {
     const char* bytes = reinterpret_cast<const char*>(&value);
     block_.insert(block_.end(), bytes, bytes + sizeof value);
+    if (block_.size() >= kBlockBytes) flush();
+  }
+  // Takes the bytes of several values.
+  void put(std::span<const char> bytes) {
+    block_.insert(block_.end(), bytes.begin(), bytes.end());
     if (block_.size() >= kBlockBytes) flush();
   }
   // Passes the last bytes on.

@@ -3,8 +3,8 @@
 #include <bit>
 #include <type_traits>
 
-#include <boost/crc.hpp>
 #include <fmt/format.h>
+#include <zlib.h>
 
 namespace viewpeel {
 namespace {
@@ -13,7 +13,6 @@ static_assert(std::endian::native == std::endian::little, "arrays are little-end
 
 constexpr uint32_t kAllOnes = 0xFFFFFFFFu;  // marks a size or offset that the extra field holds in 64 bits
 constexpr uint16_t kZip64Version = 45, kExtraZip64 = 1;
-constexpr size_t kPart = 1 << 16;               // values of an array that are in memory together
 constexpr uint16_t kFirstOfJanuary1980 = 0x21;  // the first day that zip can express, for files without a time
 
 // A ZipRecord collects the bytes of a record of a zip, little-endian.
@@ -57,21 +56,8 @@ void NpzOutput::write(const std::string& name, std::span<const T> values) {
 }
 
 template <class T>
-void NpzOutput::write(const std::string& name, size_t count,
-                      const std::function<void(const std::function<void(T)>&)>& forEach) {
-  add(name, npyHead(npyTypeOf<T>(), fmt::format("({},)", count)), count * sizeof(T), [&](const auto& use) {
-    std::vector<T> part;
-    part.reserve(kPart);
-    const auto usePart = [&] {
-      use({reinterpret_cast<const char*>(part.data()), part.size() * sizeof(T)});
-      part.clear();
-    };
-    forEach([&](T value) {
-      part.push_back(value);
-      if (part.size() == kPart) usePart();
-    });
-    usePart();
-  });
+void NpzOutput::write(const std::string& name, size_t count, const std::function<void(const UseBytes&)>& forEachPart) {
+  add(name, npyHead(npyTypeOf<T>(), fmt::format("({},)", count)), count * sizeof(T), forEachPart);
 }
 
 void NpzOutput::writeText(const std::string& name, const std::string& text) {
@@ -81,11 +67,14 @@ void NpzOutput::writeText(const std::string& name, const std::string& text) {
 }
 
 void NpzOutput::add(const std::string& name, const std::string& head, size_t size,
-                    const std::function<void(const std::function<void(std::span<const char>)>&)>& forEachPart) {
-  boost::crc_32_type sum;
-  sum.process_bytes(head.data(), head.size());
-  forEachPart([&](std::span<const char> part) { sum.process_bytes(part.data(), part.size()); });
-  const Member member{name + ".npy", sum.checksum(), head.size() + size, place_};
+                    const std::function<void(const UseBytes&)>& forEachPart) {
+  uLong sum = 0;
+  const auto addToSum = [&](std::span<const char> part) {
+    sum = crc32_z(sum, reinterpret_cast<const Bytef*>(part.data()), part.size());
+  };
+  addToSum(head);
+  forEachPart(addToSum);
+  const Member member{name + ".npy", static_cast<uint32_t>(sum), head.size() + size, place_};
   ZipRecord record;
   record.add(uint32_t(0x04034b50)).add(kZip64Version).add(uint16_t(0)).add(uint16_t(0)).add(uint16_t(0));
   record.add(kFirstOfJanuary1980).add(member.check_sum).add(kAllOnes).add(kAllOnes);
@@ -119,9 +108,7 @@ void NpzOutput::finish() {
 template void NpzOutput::write(const std::string&, std::span<const int32_t>);
 template void NpzOutput::write(const std::string&, std::span<const int64_t>);
 template void NpzOutput::write(const std::string&, std::span<const double>);
-template void NpzOutput::write(const std::string&, size_t,
-                               const std::function<void(const std::function<void(int32_t)>&)>&);
-template void NpzOutput::write(const std::string&, size_t,
-                               const std::function<void(const std::function<void(double)>&)>&);
+template void NpzOutput::write<int32_t>(const std::string&, size_t, const std::function<void(const UseBytes&)>&);
+template void NpzOutput::write<double>(const std::string&, size_t, const std::function<void(const UseBytes&)>&);
 
 }  // namespace viewpeel

@@ -19,11 +19,12 @@ class NpzOutput {
   // Adds NAME.npy, an array of one dimension.    In: values: int32_t, int64_t or double
   template <class T>
   void write(const std::string& name, std::span<const T> values);
+  using UseBytes = std::function<void(std::span<const char>)>;
   // Adds NAME.npy without having all of it in memory.
-  //   In: count: of values; forEach(use): calls use(value) for each of them. It is called twice, and must give the same
-  //   values.
+  //   In: count: of values of type T; forEachPart(use): calls use(bytes) for each part of their bytes. It is called
+  //   twice, and must give the same bytes.
   template <class T>
-  void write(const std::string& name, size_t count, const std::function<void(const std::function<void(T)>&)>& forEach);
+  void write(const std::string& name, size_t count, const std::function<void(const UseBytes&)>& forEachPart);
   // Adds NAME.npy: one text, as an array of bytes without dimensions.
   void writeText(const std::string& name, const std::string& text);
   // Writes the directory of the zip. Call it last.
@@ -35,9 +36,9 @@ class NpzOutput {
     uint32_t check_sum;
     uint64_t size, place;
   };
-  // Adds a member.    In: forEachPart(use): calls use(bytes) for each part of `size` bytes; it is called twice
+  // Adds a member.    In: size: of all parts; forEachPart: as in write()
   void add(const std::string& name, const std::string& head, size_t size,
-           const std::function<void(const std::function<void(std::span<const char>)>&)>& forEachPart);
+           const std::function<void(const UseBytes&)>& forEachPart);
   std::ostream& out_;
   std::vector<Member> members_;
   uint64_t place_ = 0;

@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <optional>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -78,9 +79,7 @@ class Matrices {
     std::function<void(ByteSink&)> make;
     if (entries)
       make = [&entries, valueOf](ByteSink& sink) {
-        entries->forEach([&](const RowEntry& entry) {
-          if (entry.j < kEnvironment) sink.put(static_cast<T>(valueOf(entry)));
-        });
+        makeColumn<T>(*entries, valueOf, [&](std::span<const char> bytes) { sink.put(bytes); });
       };
     out.writeLater<T>(name, static_cast<size_t>(starts_.back()), std::move(make));
   }
@@ -339,12 +338,9 @@ void writeHdf5Block(const FormFactors& block, const std::vector<int64_t>& starts
   std::fstream out(file, std::ios::in | std::ios::out | std::ios::binary);
   const auto write = [&]<class T>(const char* name, T, const auto& valueOf) {
     out.seekp(static_cast<std::streamoff>(places.at(name) + sizeof(T) * starts[columns.rows[first]]));
-    ByteSink sink(
-        [&](const std::vector<char>& bytes) { out.write(bytes.data(), static_cast<std::streamsize>(bytes.size())); });
-    entries.forEach([&](const RowEntry& entry) {
-      if (entry.j < kEnvironment) sink.put(static_cast<T>(valueOf(entry)));
+    makeColumn<T>(entries, valueOf, [&](std::span<const char> bytes) {
+      out.write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
     });
-    sink.flush();
   };
   if (starts.back() > 0) {
     write("form_factors/data", double(), &RowColumns::formFactor);
