@@ -11,6 +11,7 @@
 #include "estimator/estimate.h"
 #include "estimator/find_prior.h"
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/pair_count.h"
 
 namespace viewpeel {
@@ -83,11 +84,11 @@ class PairPilotVariances {
       for (size_t k = 0; k < half; ++k) others = addCounts(others, pilots.counts[second ? k : half + k]);
       const std::vector<PairVisibility> fitted = fitVisibilities(others);
       std::vector<PairVisibility> visibilities;
-      auto at = fitted.begin();
+      PairWalk walk(fitted);
       for (const PairPrior& pair : prior.pairs) {
-        while (at != fitted.end() && keyOf(*at) < keyOf(pair)) ++at;
+        const PairVisibility* const of_pair = walk.find(pair);
         if (pair.visibility == kVisibilityOne) visibilities.push_back({pair.i, pair.j, kVisibilityOne});
-        else if (pair.visibility && at != fitted.end() && keyOf(*at) == keyOf(pair)) visibilities.push_back(*at);
+        else if (pair.visibility && of_pair) visibilities.push_back(*of_pair);
       }
       ControlVariateSums sums(ids);
       for (size_t k = 0; k < half; ++k)

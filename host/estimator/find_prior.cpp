@@ -8,6 +8,7 @@
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/pair_count.h"
 #include "scene/rank_by_place.h"
 #include "stopwatch.h"
@@ -130,15 +131,14 @@ FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scen
   for (const PairVisibility& visibility : visibilities)
     if (visibility.j >= kEnvironment || !found.prior.has_all_pairs) pairs.push_back({visibility.i, visibility.j});
   std::sort(pairs.begin(), pairs.end(), [](const PairPrior& a, const PairPrior& b) { return keyOf(a) < keyOf(b); });
-  const auto shareOf = [](std::vector<PairVisibility>::const_iterator& at,
-                          std::vector<PairVisibility>::const_iterator end, const PairPrior& pair) {
-    while (at != end && keyOf(*at) < keyOf(pair)) ++at;
-    return at != end && at->i == pair.i && at->j == pair.j ? at->visibility : 0;
+  const auto visibilityOf = [](auto& walk, const PairPrior& pair) {
+    const PairVisibility* const found_pair = walk.find(pair);
+    return found_pair ? found_pair->visibility : 0;
   };
-  auto visibility = visibilities.begin(), surface_visibility = surface_visibilities.begin();
+  PairWalk of_faces(visibilities), of_surfaces(surface_visibilities);
   for (PairPrior& pair : pairs) {
-    pair.visibility = shareOf(visibility, visibilities.end(), pair);
-    pair.surface_visibility = shareOf(surface_visibility, surface_visibilities.end(), pair);
+    pair.visibility = visibilityOf(of_faces, pair);
+    pair.surface_visibility = visibilityOf(of_surfaces, pair);
   }
 
   // If no line of a pilot was blocked between a face and any other, the face most likely sees all of its partners, even

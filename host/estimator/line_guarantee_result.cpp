@@ -9,6 +9,7 @@
 #include <viewpeel/error.h>
 #include "estimator/estimate.h"
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
 
 namespace viewpeel {
@@ -61,21 +62,21 @@ std::vector<Interval> LineGuarantee::findIntervals(const FormFactors& form_facto
     return left;
   };
   std::vector<Interval> intervals;
-  auto at = entries_.begin();
+  PairWalk walk(entries_);
   for (const FormFactors::Entry& wanted : form_factors.entries()) {
     if (wanted.j == kEnvironment) {
       intervals.push_back(leftBy(wanted.i));
       continue;
     }
-    while (at != entries_.end() && keyOf(*at) < keyOf(wanted)) ++at;
-    if (at == entries_.end() || keyOf(*at) != keyOf(wanted)) {  // only common directions have counted this entry
+    const Entry* const entry = walk.find(wanted);
+    if (!entry) {  // only common directions have counted it
       const double most = wanted.j == kLeak ? INFINITY : options_.epsilon * ids_.smallerArea(wanted.i, wanted.j);
       intervals.push_back({0, std::min(most, leftBy(wanted.i).upper)});
       continue;
     }
-    Interval interval = at->interval;
+    Interval interval = entry->interval;
     if (ids_.counts_environment)
-      for (const uint32_t id : {at->i, at->j})
+      for (const uint32_t id : {entry->i, entry->j})
         if (id < kEnvironment && ids_.isRequested(id))
           interval.upper =
               std::min(interval.upper, std::max(interval.lower, ids_.areas[id] - rows[id].lower + interval.lower));
@@ -108,11 +109,9 @@ FormFactors LineGuarantee::withEveryEnvironment(FormFactors all) const {
 // Returns entries of pairs without lines, which common directions have counted.
 std::vector<FormFactors::Entry> LineGuarantee::countedEntries(const RunSums& sums) const {
   std::vector<FormFactors::Entry> found;
-  auto at = entries_.begin();
+  PairWalk walk(entries_);
   for (const ReplicateSums::PairSum& pair : sums.by_id.pairs()) {
-    if (pair.j >= kEnvironment) continue;
-    while (at != entries_.end() && keyOf(*at) < keyOf(pair)) ++at;
-    if (at != entries_.end() && keyOf(*at) == keyOf(pair)) continue;
+    if (pair.j >= kEnvironment || walk.find(pair)) continue;
     Measured exchange = sums.by_id.exchangeArea(pair, sums.measure_area, sums.countArea());
     exchange.value = std::min(exchange.value, options_.epsilon * ids_.smallerArea(pair.i, pair.j));
     found.push_back({pair.i, pair.j, exchange});

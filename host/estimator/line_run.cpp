@@ -9,7 +9,7 @@
 
 #include <viewpeel/error.h>
 #include "rays/ray_engine.h"
-#include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/pair_blocks.h"
 #include "threads.h"
 
@@ -52,14 +52,12 @@ void leaveOutPairsWithLines(PairCounts& counts, const LineSums& lines) {
   const RowRanges ranges(lines.ids().count());
   std::vector<std::span<PairCount>> left(ranges.count());
   shareOut(threadsFor(counts.size()), left.size(), 1, [&](size_t, size_t k) {
-    const std::span<const LinePair> pairs = ranges.of(lines.pairs(), k);
+    PairWalk with_lines(ranges.of(lines.pairs(), k));
     const std::span<const PairCount> of_range = ranges.of(counts, k);
     const auto first = counts.begin() + (of_range.data() - counts.data());
-    auto at = pairs.begin();
-    const auto end = std::remove_if(first, first + std::ssize(of_range), [&](const PairCount& count) {
-      while (at != pairs.end() && keyOf(*at) < keyOf(count)) ++at;
-      return at != pairs.end() && keyOf(*at) == keyOf(count);
-    });
+    auto end = first;
+    for (const PairCount& count : of_range)
+      if (!with_lines.find(count)) *end++ = count;
     left[k] = {first, end};
   });
   auto end = counts.begin();

@@ -11,6 +11,7 @@
 #include "memory.h"
 #include "rays/ray_engine.h"
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
 #include "sums/mixture_entries.h"
 #include "sums/row_sums.h"
@@ -180,16 +181,14 @@ LineRun::Wanting LineRun::findWantingBetweenSurfaces(const FormFactors& all) {
   const std::vector<FormFactors::Entry> of_lines = sums_.lines->entriesOfResult();
   Wanting wanting;
   needs_directions_ = false;
-  auto line = of_lines.begin();
+  PairWalk walk(of_lines);
   for (const FormFactors::Entry& entry : all.entries()) {
     const double excess = excessOf(entry, all.ids());
     if (!(excess > 1)) continue;
-    while (line != of_lines.end() && keyOf(*line) < keyOf(entry)) ++line;
-    const bool has_lines = line != of_lines.end() && keyOf(*line) == keyOf(entry);
-    const double by_lines = has_lines ? line->exchange_area.standard_error : 0,
-                 whole = entry.exchange_area.standard_error, allowed = whole / excess,
-                 by_counts = std::sqrt(std::max(0.0, whole * whole - by_lines * by_lines));
-    if (has_lines && by_counts < allowed)
+    const FormFactors::Entry* const line = walk.find(entry);
+    const double by_lines = line ? line->exchange_area.standard_error : 0, whole = entry.exchange_area.standard_error,
+                 allowed = whole / excess, by_counts = std::sqrt(std::max(0.0, whole * whole - by_lines * by_lines));
+    if (line && by_counts < allowed)
       wanting.emplace_back(keyOf(entry), by_lines / std::sqrt(allowed * allowed - by_counts * by_counts));
     else needs_directions_ = true;
   }

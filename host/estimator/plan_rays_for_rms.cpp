@@ -6,7 +6,7 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "estimator/plan_rays.h"
-#include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 
 namespace viewpeel {
 namespace {
@@ -65,11 +65,9 @@ std::vector<double> RmsRayPlanner::gains(const std::vector<Square>& pairs, const
 std::vector<uint32_t> RmsRayPlanner::plan(const std::vector<LinePair>& with_lines,
                                           const EstimateOptions& options) const {
   std::vector<Square> pairs;
-  auto line = with_lines.begin();
-  for (const Square& pair : squares_) {
-    while (line != with_lines.end() && keyOf(*line) < keyOf(pair)) ++line;
-    if (line == with_lines.end() || keyOf(*line) != keyOf(pair)) pairs.push_back(pair);
-  }
+  PairWalk walk(with_lines);
+  for (const Square& pair : squares_)
+    if (!walk.find(pair)) pairs.push_back(pair);
   const size_t face_count = face_ids_.count();
   std::vector<double> rays(face_count, 1);
   for (int step = 0; step < kStepsToEqualGains; ++step) {

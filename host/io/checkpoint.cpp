@@ -10,7 +10,7 @@
 #include "io/hdf5_output.h"
 #include "io/sum_columns.h"
 #include "io/write_file.h"
-#include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 
 namespace viewpeel {
 namespace {

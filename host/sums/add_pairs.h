@@ -17,17 +17,6 @@ std::pair<uint32_t, uint32_t> keyOf(const Pair& pair) {
   return {pair.i, pair.j};
 }
 
-// Returns whether two lists have a pair of the same key.    In: a, b: sorted by (i, j)
-template <class PairsA, class PairsB>
-bool haveSharedKey(const PairsA& a, const PairsB& b) {
-  auto of_b = b.begin();
-  for (const auto& pair : a) {
-    while (of_b != b.end() && keyOf(*of_b) < keyOf(pair)) ++of_b;
-    if (of_b != b.end() && keyOf(*of_b) == keyOf(pair)) return true;
-  }
-  return false;
-}
-
 // Calls add_to(sum, pair) for each of `pairs`, in any order, with the sum that has the pair's key. A pair without a sum
 // gets a new one, Sum{i, j}, first.
 //   In: sums, pairs: sorted by (i, j), every pair at most once

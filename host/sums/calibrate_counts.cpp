@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/row_calibration.h"
 #include "sums/row_sums.h"
 
@@ -79,11 +79,8 @@ class CountCalibration {
 // Returns which of the entries are pairs without lines.    In: both sorted
 std::vector<bool> findCounted(const std::vector<FormFactors::Entry>& entries, const std::vector<LinePair>& with_lines) {
   std::vector<bool> is_counted(entries.size());
-  auto line = with_lines.begin();
-  for (size_t k = 0; k < entries.size(); ++k) {
-    while (line != with_lines.end() && keyOf(*line) < keyOf(entries[k])) ++line;
-    is_counted[k] = entries[k].j < kEnvironment && (line == with_lines.end() || keyOf(*line) != keyOf(entries[k]));
-  }
+  PairWalk walk(with_lines);
+  for (size_t k = 0; k < entries.size(); ++k) is_counted[k] = entries[k].j < kEnvironment && !walk.find(entries[k]);
   return is_counted;
 }
 

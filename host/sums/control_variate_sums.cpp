@@ -9,6 +9,7 @@
 
 #include <viewpeel/error.h>
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 
 namespace viewpeel {
 namespace {
@@ -64,12 +65,11 @@ std::vector<ControlVariate> takeControlVariates(const PairCounts& counts,
                                                 const std::vector<uint64_t>& lines) {
   std::vector<ControlVariate> controls;
   controls.reserve(counts.size());
-  auto visibility = visibilities.begin();
+  PairWalk walk(visibilities);
   for (const PairCount& count : counts) {
     requireCountsForVisibilities(count);
-    while (visibility != visibilities.end() && keyOf(*visibility) < keyOf(count)) ++visibility;
-    const uint64_t b =
-        visibility != visibilities.end() && keyOf(*visibility) == keyOf(count) ? visibility->visibility : 0;
+    const PairVisibility* const visibility = walk.find(count);
+    const uint64_t b = visibility ? visibility->visibility : 0;
     const auto control =
         static_cast<int64_t>(count.count * (kVisibilityOne - b)) - static_cast<int64_t>(count.blocked * b);
     const uint64_t line = lineOf(lines, count.i, count.j);
@@ -169,16 +169,11 @@ Measured ControlVariateSums::allowForUnmetPair(const Measured& exchange, double 
 FormFactors ControlVariateSums::allowForUnmet(const FormFactors& form_factors, double measure_area,
                                               const std::vector<PriorExchange>& prior, double count_area) const {
   std::vector<FormFactors::Entry> entries = form_factors.entries();
-  auto next_sum = pairs_.begin();
-  auto at = prior.begin();
-  for (FormFactors::Entry& entry : entries) {
-    while (next_sum != pairs_.end() && keyOf(*next_sum) < keyOf(entry)) ++next_sum;
-    while (at != prior.end() && keyOf(*at) < keyOf(entry)) ++at;
-    const bool has_sum = next_sum != pairs_.end() && keyOf(*next_sum) == keyOf(entry),
-               has_prior = at != prior.end() && keyOf(*at) == keyOf(entry);
-    if (has_prior && !has_sum)
-      entry.exchange_area = allowForUnmetPair(entry.exchange_area, measure_area, *at, count_area);
-  }
+  PairWalk sums(pairs_);
+  PairWalk priors(prior);
+  for (FormFactors::Entry& entry : entries)
+    if (const PriorExchange* const of_prior = priors.find(entry); of_prior && !sums.find(entry))
+      entry.exchange_area = allowForUnmetPair(entry.exchange_area, measure_area, *of_prior, count_area);
   return {form_factors.ids(), std::move(entries), form_factors.rowSums()};
 }
 
@@ -212,12 +207,11 @@ Measured ControlVariateSums::exchangeArea(double measure_area, const PriorExchan
 FormFactors chooseBetter(const FormFactors& controlled, const FormFactors& sampled) {
   std::vector<FormFactors::Entry> entries;
   entries.reserve(controlled.entries().size());
-  auto other = sampled.entries().begin();
+  PairWalk walk(sampled.entries());
   for (const FormFactors::Entry& entry : controlled.entries()) {
-    while (other != sampled.entries().end() && keyOf(*other) < keyOf(entry)) ++other;
-    const bool has_other = other != sampled.entries().end() && keyOf(*other) == keyOf(entry);
-    entries.push_back(
-        has_other && 2 * other->exchange_area.standard_error < entry.exchange_area.standard_error ? *other : entry);
+    const FormFactors::Entry* const other = walk.find(entry);
+    entries.push_back(other && 2 * other->exchange_area.standard_error < entry.exchange_area.standard_error ? *other
+                                                                                                            : entry);
   }
   return {controlled.ids(), std::move(entries), sampled.rowSums()};
 }

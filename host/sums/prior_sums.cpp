@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/neighbour_visibility.h"
 #include "sums/row_sums.h"
 #include "threads.h"
@@ -76,16 +77,15 @@ PriorSums::PriorSums(By by, Prior prior, VisibilitySums by_face, ControlVariateS
 void PriorSums::prepare() {
   const std::vector<double>& areas = by_face_.ids().areas;
   std::vector<PriorExchange> for_surfaces;
-  auto directed = prior_.directed.begin();
+  PairWalk directed_pairs(prior_.directed);
   for (const PairPrior& pair : prior_.pairs) {
     if (pair.visibility) visibilities_.push_back({pair.i, pair.j, pair.visibility});
     if (pair.surface_visibility) surface_visibilities_.push_back({pair.i, pair.j, pair.surface_visibility});
     if (pair.j >= kEnvironment && (pair.visibility || pair.surface_visibility))
       row_visibilities_.push_back({pair.i, pair.j, pair.visibility});
-    if (directed != prior_.directed.end() && keyOf(*directed) == keyOf(pair)) {
+    if (const DirectedPair* const directed = directed_pairs.find(pair)) {
       directed_exchanges_.push_back(exchangeOf(pair, directed->visibility, areas, {}));
       directed_exchanges_.back().line = directed->line;
-      ++directed;
       for_surfaces.push_back({pair.i, pair.j, 0, 0, lineOf(prior_.lines, pair.i, pair.j)});
       continue;
     }
@@ -122,15 +122,12 @@ void PriorSums::add(const PairCounts& counts, const PairCounts& directed) {
 std::vector<PairPrior> PriorSums::pairsOutsidePrior(uint64_t least_lines) const {
   std::vector<PairPrior> unknown;
   if (prior_.has_all_pairs) return unknown;
-  auto at = prior_.pairs.begin();
-  for (const VisibilitySums::PairSum& pair : by_face_.pairs()) {
-    while (at != prior_.pairs.end() && keyOf(*at) < keyOf(pair)) ++at;
-    const bool has_prior = at != prior_.pairs.end() && keyOf(*at) == keyOf(pair);
-    if (!has_prior && pair.facing > 0 &&
+  PairWalk priors(prior_.pairs);
+  for (const VisibilitySums::PairSum& pair : by_face_.pairs())
+    if (!priors.find(pair) && pair.facing > 0 &&
         pair.facing + pair.blocked >= least_lines * lineOf(prior_.lines, pair.i, pair.j) && pair.j < kEnvironment &&
         pair.i != pair.j)
       unknown.push_back({pair.i, pair.j});
-  }
   return unknown;
 }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
 #include "threads.h"
 
@@ -125,12 +125,10 @@ FormFactors RunSums::formFactors(const ExchangeRow& row) const {
   const std::vector<VisibilitySums::PairSum>& pairs = prior_sums->byFace().pairs();
   std::vector<FormFactors::Entry> sampled;
   sampled.reserve(pairs.size());
-  auto at = prior_sums->prior().pairs.begin();
-  const auto end = prior_sums->prior().pairs.end();
+  PairWalk priors(prior_sums->prior().pairs);
   for (const VisibilitySums::PairSum& pair : pairs) {
-    while (at != end && keyOf(*at) < keyOf(pair)) ++at;
-    const bool has_prior = at != end && keyOf(*at) == keyOf(pair);
-    if (pair.facing == 0 || (has_prior && !prior_sums->isCountedAlone(*at, double(directions), countArea()))) continue;
+    const PairPrior* const prior = priors.find(pair);
+    if (pair.facing == 0 || (prior && !prior_sums->isCountedAlone(*prior, double(directions), countArea()))) continue;
     const ReplicateSums::PairSum counted{pair.i, pair.j, {pair.facing, prior_sums->byFace().squaresOf(pair).facing}};
     sampled.push_back({pair.i, pair.j, by_id.exchangeArea(counted, measure_area, countArea())});
   }

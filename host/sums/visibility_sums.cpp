@@ -10,6 +10,7 @@
 #include <boost/math/distributions/students_t.hpp>
 
 #include "sums/add_pairs.h"
+#include "sums/pair_walk.h"
 #include "sums/neighbour_visibility.h"
 #include "threads.h"
 
@@ -325,11 +326,10 @@ VisibilitySums::Found VisibilitySums::find(const std::vector<PairPrior>& prior, 
 ControlVariateSums VisibilitySums::controls(const std::vector<PairVisibility>& visibilities,
                                             const std::vector<uint64_t>& lines) const {
   std::vector<ControlVariateSums::PairSum> controls;
-  auto visibility = visibilities.begin();
+  PairWalk walk(visibilities);
   for (const PairSum& pair : pairs_) {
-    while (visibility != visibilities.end() && keyOf(*visibility) < keyOf(pair)) ++visibility;
-    const Wide b = visibility != visibilities.end() && keyOf(*visibility) == keyOf(pair) ? visibility->visibility : 0,
-               rest = kVisibilityOne - b;
+    const PairVisibility* const visibility = walk.find(pair);
+    const Wide b = visibility ? visibility->visibility : 0, rest = kVisibilityOne - b;
     ControlVariateSums::PairSum control{pair.i, pair.j};
     control.line = lineOf(lines, pair.i, pair.j);
     control.squares = (pair.facing * rest * rest + pair.blocked * b * b) * control.line;
