@@ -17,9 +17,12 @@ namespace {
 using glm::dvec3;
 
 constexpr size_t kTasks = 256;      // least number of tasks to share out to threads
+constexpr size_t kPartsAmong = 16;  // in which threads search among some pairs, whatever the number of threads
 constexpr size_t kFewBlockers = 8;  // so few blockers are tested with each pair at once, without clusters
 constexpr size_t kRowShaft = 2;     // a row of at least this number of patches gets a shaft of its own,
 constexpr size_t kRowCurtain = 3;   // and for a row of at least this number a curtain is looked for
+
+using PlacedPair = std::pair<uint32_t, uint32_t>;  // places of two patches in PairFinder::order_
 
 }  // namespace
 
@@ -59,36 +62,27 @@ class PairFinder::Search {
     });
   }
 
-  // Finds single pairs of patches.    In: all: all blockers
-  void findEach(std::span<const std::pair<uint32_t, uint32_t>> pairs, const BlockerList& all) {
-    for (const auto& [p, q] : pairs) findFacing(p, q, all);
-  }
-
-  // Returns whether find() gets to two patches, alone or in a row. It does not where clusters of patches that hold them
-  // are hidden from each other, or do not face each other.
-  //   In: places: of patches in order_; all: all blockers
-  bool reachesLeaves(uint32_t p, uint32_t q, std::span<const uint32_t> places, const BlockerList& all) {
-    uint32_t a = 0, b = 0;
-    const BlockerList* between = &all;
-    for (size_t depth = 0; !node(a).isLeaf() || !node(b).isLeaf(); ++depth) {
-      if (lists_.size() <= depth) lists_.emplace_back();
-      const auto has = [&](uint32_t k, uint32_t patch) {
-        return node(k).first <= places[patch] && places[patch] < node(k).end;
-      };
-      bool is_kept = false;
-      uint32_t next_a = 0, next_b = 0;
-      forEachPart(a, b, [&](uint32_t m, uint32_t n) {
-        if (is_kept || !((has(m, p) && has(n, q)) || (has(m, q) && has(n, p)))) return;
-        is_kept = keepBetween(*between, m, n, lists_[depth]);
-        next_a = m, next_b = n;
-      });
-      if (!is_kept) return false;
-      a = next_a, b = next_b, between = &lists_[depth];
+  // Finds those of some pairs of patches that lie in two clusters, as search() finds all pairs. It changes their order.
+  void searchAmong(uint32_t a, uint32_t b, const BlockerList& between, std::span<PlacedPair> pairs, size_t depth = 0) {
+    if (node(a).isLeaf() && node(b).isLeaf()) {
+      decided += pairs.size();
+      for (const auto& [p, q] : pairs) findFacing(finder_.order_[p], finder_.order_[q], between);
+      return;
     }
-    return true;
+    if (lists_.size() <= depth) lists_.emplace_back();
+    BlockerList& part = lists_[depth];
+    forEachPart(a, b, [&](uint32_t m, uint32_t n) {
+      const auto has = [&](uint32_t k, uint32_t place) { return node(k).first <= place && place < node(k).end; };
+      const auto end = std::partition(pairs.begin(), pairs.end(), [&](const PlacedPair& pair) {
+        return (has(m, pair.first) && has(n, pair.second)) || (has(m, pair.second) && has(n, pair.first));
+      });
+      if (end != pairs.begin() && keepBetween(between, m, n, part))
+        searchAmong(m, n, part, {pairs.begin(), end}, depth + 1);
+    });
   }
 
   PatchPairs found;
+  size_t decided = 0;  // pairs that searchAmong() decides one by one
 
  private:
   const Node& node(uint32_t k) const { return finder_.nodes_[k]; }
@@ -319,21 +313,28 @@ BlockerList PairFinder::listAll() const {
   return all;
 }
 
-std::vector<PatchPair> PairFinder::findAmong(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
-  std::atomic<size_t> found_count = 0;
-  Search search(*this, 0, found_count);
-  search.findEach(pairs, listAll());
-  return std::move(search.found.pairs);
-}
-
-size_t PairFinder::countReachingLeaves(std::span<const std::pair<uint32_t, uint32_t>> pairs) const {
+PairsAmong PairFinder::findAmong(std::span<const std::pair<uint32_t, uint32_t>> pairs, size_t threads) const {
+  if (pairs.empty()) return {};
   std::vector<uint32_t> places(patches_.size());
   for (uint32_t k = 0; k < order_.size(); ++k) places[order_[k]] = k;
+  std::vector<PlacedPair> placed;
+  for (const auto& [p, q] : pairs) placed.emplace_back(std::minmax(places[p], places[q]));
+  std::ranges::sort(placed);  // pairs of the same clusters are then in one part
   std::atomic<size_t> found_count = 0;
-  Search search(*this, 0, found_count);
   const BlockerList all = listAll();
-  return std::ranges::count_if(
-      pairs, [&](const auto& pair) { return search.reachesLeaves(pair.first, pair.second, places, all); });
+  std::vector<PairsAmong> parts(kPartsAmong);
+  shareOut(threads, parts.size(), 1, [&](size_t, size_t k) {
+    const auto firstOf = [&](size_t part) { return placed.size() * part / parts.size(); };
+    Search search(*this, 0, found_count);
+    search.searchAmong(0, 0, all, std::span(placed).subspan(firstOf(k), firstOf(k + 1) - firstOf(k)));
+    parts[k] = {std::move(search.found.pairs), search.decided};
+  });
+  PairsAmong among;
+  for (const PairsAmong& part : parts) {
+    among.found.insert(among.found.end(), part.found.begin(), part.found.end());
+    among.decided += part.decided;
+  }
+  return among;
 }
 
 PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, double least_form_factor) const {

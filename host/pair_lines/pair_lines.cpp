@@ -129,8 +129,9 @@ PairSample PairLines::samplePairs() const {
   PairSample sample;
   sample.each = 0.5 * double(patches.size()) * double(patches.size()) / kSampledPairs;
   sample.facing = facing.size();
-  sample.decided = finder_.countReachingLeaves(facing);
-  for (const PatchPair& pair : finder_.findAmong(facing)) {
+  const PairsAmong among = finder_.findAmong(facing, threads_);
+  sample.decided = among.decided;
+  for (const PatchPair& pair : among.found) {
     const Patch &a = patches[pair.a], &b = patches[pair.b];
     sample.found.push_back({pair.exchange / (ids_.sides() * std::min(a.area, b.area)), pair.blocker_count > 0,
                             a.is_part || b.is_part ? finder_.mostBetweenRows(pair.a, pair.b) : 0});
