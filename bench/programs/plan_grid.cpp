@@ -4,9 +4,10 @@
 //
 // Scenes and their truths are those of support/truth.h; a truth is a run at a fifth of the least tolerance. By hand, a
 // scene is computed with lines for all pairs, with mixtures (estimator/line_mixture.h) of several least form factors,
-// and along common directions alone, with several numbers of directions and several lattices. A method by hand counts
-// where its largest true error is at most T for every seed. So common directions stop at their true error, which no
-// plan knows. Lines and mixtures stop as planned runs do.
+// and along common directions alone, with several numbers of directions and several lattices. In mixtures common
+// directions count the other pairs, or in open scenes rays. A method by hand counts where its largest true error is at
+// most T for every seed. So common directions stop at their true error, which no plan knows. Lines and mixtures stop as
+// planned runs do.
 // The columns `planned` and `by_hand` have medians of CPU seconds over the seeds, of all threads, from the scene in
 // memory to the form factors, the plan's own cost included. The columns after them have the largest true errors of all
 // seeds, of form factors and of row sums. `ratio` is the planned time over the time by hand; below 1 no method by hand
@@ -14,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <optional>
 #include <string>
 #include <vector>
@@ -25,6 +27,8 @@
 #include "bench/support/run_time.h"
 #include "bench/support/truth.h"
 #include "estimator/line_run.h"
+#include "estimator/plan_rays.h"
+#include "rays/ray_engine.h"
 #include "run/setup.h"
 
 namespace viewpeel::bench {
@@ -75,14 +79,36 @@ Outcome measure(const Job& job, const std::string& name, const Method& method, d
   return outcome;
 }
 
+// Runs the lines of pairs whose unoccluded form factor is at least that of the mixture, while the engine counts the
+// other pairs. Returns nothing if it gives up.    In: give_up_at: CPU seconds of this process
+std::optional<FormFactors> runLines(const Job& job, const Setup& setup, uint64_t seed, Engine& engine,
+                                    const LineMixture& mixture, RayEngine* rays, double give_up_at) {
+  EstimateOptions options = setup.estimate();
+  options.directions = mixture.directions;
+  options.rays = rays;
+  PairLines lines(job.scene, setup.faceIds(), {}, seed);
+  std::vector<LinePair> pairs = planLines(lines, lines.find(mixture.least_form_factor), setup.faceIds(), setup.ids(),
+                                          options, job.is_open, INFINITY);
+  LineRun run(engine, job.scene, setup.faceIds(), lines, std::move(pairs), mixture.least_form_factor, options);
+  while (!run.isDone()) {
+    if (cpuSecondsOf(RUSAGE_SELF) > give_up_at) return {};
+    run.step();
+  }
+  return run.estimate().form_factors;
+}
+
+Request requestWithLines(const Job& job, uint64_t seed) {
+  Request request = requestFor(job.name, job.tolerance, seed);
+  request.pair_lines = true;
+  return request;
+}
+
 // Returns the method of pair lines: for all pairs, or for pairs whose unoccluded form factor is at least `share` of the
 // goal, while common directions count the others.    In: share: 0: all pairs
 Method linesOf(double share) {
-  return [share](const Job& job, uint64_t seed, double most_seconds) -> std::optional<FormFactors> {
+  return [share](const Job& job, uint64_t seed, double most_seconds) {
     const double begun = cpuSecondsOf(RUSAGE_SELF);
-    Request request = requestFor(job.name, job.tolerance, seed);
-    request.pair_lines = true;
-    const Setup setup(job.scene, request, {}, {});
+    const Setup setup(job.scene, requestWithLines(job, seed), {}, {});
     LineMixture mixture;
     if (share > 0) {
       mixture = setup.mixture();
@@ -95,17 +121,24 @@ Method linesOf(double share) {
                                                            mixture.resolution, mixture.resolution, mixture.directions)
                                               : groupAsOne(job.scene, lattices.lattice.resolution);
     const std::unique_ptr<Engine> engine = makeEngine(lattices, job.scene, setup.faceIds(), groups);
-    EstimateOptions options = setup.estimate();
-    options.directions = mixture.directions;
-    PairLines lines(job.scene, setup.faceIds(), {}, seed);
-    std::vector<LinePair> pairs = planLines(lines, lines.find(mixture.least_form_factor), setup.faceIds(), setup.ids(),
-                                            options, job.is_open, INFINITY);
-    LineRun run(*engine, job.scene, setup.faceIds(), lines, std::move(pairs), mixture.least_form_factor, options);
-    while (!run.isDone()) {
-      if (cpuSecondsOf(RUSAGE_SELF) - begun > most_seconds) return {};
-      run.step();
-    }
-    return run.estimate().form_factors;
+    return runLines(job, setup, seed, *engine, mixture, nullptr, begun + most_seconds);
+  };
+}
+
+// Returns the method of pair lines from `share` of the goal, while rays of each polygon's own count the other pairs. A
+// pilot says how many rays polygons need.
+Method linesBesideRays(double share) {
+  return [share](const Job& job, uint64_t seed, double most_seconds) {
+    const double begun = cpuSecondsOf(RUSAGE_SELF);
+    const Setup setup(job.scene, requestWithLines(job, seed), {}, {});
+    const std::unique_ptr<RayEngine> rays = makeRayEngine(job.scene, setup.faceIds(), setup.lattices().lattice);
+    std::vector<uint32_t> rows(setup.faceIds().count());
+    std::iota(rows.begin(), rows.end(), 0);
+    const RayPlanner planner(*rays, job.scene, setup.faceIds(), rows, seed, false);
+    LineMixture mixture = rayMixtureFor(setup.estimate(), planner.plan(setup.estimate()).outside);
+    mixture.least_form_factor = share * job.tolerance;
+    rays->setRays(mixture.rays);
+    return runLines(job, setup, seed, *rays, mixture, rays.get(), begun + most_seconds);
   };
 }
 
@@ -131,6 +164,9 @@ Outcome findBest(const Job& job, double most_seconds) {
   consider(measure(job, "lines", linesOf(0), best.cpu_seconds));
   for (const double share : {1.0 / 30, 1.0 / 10, 1.0 / 3})
     consider(measure(job, fmt::format("lines from {:.2g} T", share), linesOf(share), best.cpu_seconds));
+  for (const double share : {1.0 / 10, 1.0 / 3})
+    if (job.is_open)
+      consider(measure(job, fmt::format("rays, lines from {:.2g} T", share), linesBesideRays(share), best.cpu_seconds));
   for (const auto& [resolution, finest] : std::vector<std::pair<int, int>>{{64, 0}, {64, 512}, {128, 0}, {128, 2048}})
     for (uint32_t directions = 16;; directions *= 2) {
       const std::string name = fmt::format("8 x {} directions, {} spacings{}", directions, resolution,
@@ -157,10 +193,12 @@ void compareMethods(const std::string& name, const Options& options) {
     const Outcome planned = measure(job, "planned", runAsPlanned);
     job.tolerance = tolerance;
     const Outcome best = findBest(job, 2 * planned.cpu_seconds);
-    const bool is_mixture = plan.pair_lines && plan.pair_lines->least_form_factor > 0;
+    const bool is_mixture = plan.pair_lines && plan.pair_lines->least_form_factor > 0,
+               has_rays = plan.pair_lines && plan.pair_lines->has_rays;
     fmt::print("{},{},{},{},{:.3g},{:.3g},{:.3g},\"{}\",{:.3g},{:.3g},{:.3g},{:.2f}\n", name, scene.faces.size(),
                tolerance,
-               is_mixture        ? "mixture"
+               has_rays          ? "rays"
+               : is_mixture      ? "mixture"
                : plan.pair_lines ? "lines"
                                  : "directions",
                planned.cpu_seconds, planned.largest_error, planned.largest_of_sums, best.method, best.cpu_seconds,
