@@ -269,8 +269,9 @@ TEST(PairFinder, APatchIsNotBehindItsOwnWall) {
   EXPECT_GT(behind_count, 10u);
 }
 
-// The sample of samplePairs() has 4,096 pairs of any two of n patches, so that its standard error is below n^2 / 4 / 64.
-// Five standard errors are allowed. A curtain may hide a row of patches, though it is not found for each of its pairs.
+// The sample of samplePairs() has 4,096 pairs of any two of n patches, so that its standard error is below
+// n^2 / 4 / 64. Five standard errors are allowed. A curtain may hide a row of patches, though it is not found for each
+// of its pairs.
 TEST(PairFinder, SinglePairsAreCounted) {
   for (const InputScene& input : {bench::roomWithBoxes(1), bench::triangulatedCity(1000).scene, bench::city(1000)}) {
     SCOPED_TRACE(input.file);
