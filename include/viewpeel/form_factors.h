@@ -30,7 +30,8 @@ class FormFactors {
     uint32_t i, j;           // i <= j; j may be kEnvironment or kLeak
     Measured exchange_area;  // input units squared
     // This is the root mean square error that the entry adds to a sum over many entries. It may be smaller than the
-    // standard error, which allows for what one entry's lines cannot show. 0 stands for the standard error.
+    // standard error, which leaves a margin for what the entry's few lines may have missed. 0 stands for the standard
+    // error.
     double error_in_sums = 0;
 
     double errorInSums() const { return error_in_sums > 0 ? error_in_sums : exchange_area.standard_error; }

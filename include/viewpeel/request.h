@@ -33,9 +33,10 @@ struct Relative {
 };
 
 // A run with a RootMeanSquare goal ends once the root mean square of the errors of all n^2 form factors between n
-// polygons is at most this. Form factors that are 0 count, too. Errors are errors in sums (FormFactors::Entry), for
-// standard errors allow for what single form factors cannot show. The goal is for sums of many form factors, where the
-// largest single error matters less. It needs By::polygon and the whole matrix.
+// polygons is at most this. Form factors that are 0 count, too. Errors are errors in sums (FormFactors::Entry).
+// Standard errors are larger: they leave a margin for what the few lines of a single form factor may have missed. The
+// goal is for sums of many form factors, where the largest single error matters less. It needs By::polygon and the
+// whole matrix.
 struct RootMeanSquare {
   double standard_error = 1e-5;  // above 0
 };
