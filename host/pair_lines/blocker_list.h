@@ -11,6 +11,9 @@
 
 namespace viewpeel {
 
+// Bits of eight lanes, all set.
+constexpr uint32_t kAllBlockerLanes = (1u << kBlockerLanes) - 1;
+
 class BlockerList {
  public:
   // A Group has the boxes of eight blockers; the last group's places after the end are empty boxes beyond everything.
@@ -51,6 +54,12 @@ class BlockerList {
   size_t size_ = 0;
   std::vector<Group> groups_;
 };
+
+// Returns the heights of eight points over a blocker's plane.    In: points: their x, y and z
+template <class Doubles>
+VIEWPEEL_INLINE Doubles heightsOverPlane(const Doubles* points, const Blocker& blocker) {
+  return points[0] * blocker.normal.x + points[1] * blocker.normal.y + points[2] * blocker.normal.z - blocker.offset;
+}
 
 // Calls is_last(index) for each blocker whose box the line from p to q meets, until it returns true.
 //   In: touching: a box counts as met where the line passes it by this share of the line's length; is_last: an

@@ -4,6 +4,8 @@
 
 #include <glm/glm.hpp>
 
+#include "pair_lines/corners.h"
+
 namespace viewpeel {
 namespace {
 

@@ -9,6 +9,7 @@
 
 #include <glm/glm.hpp>
 
+#include "pair_lines/corners.h"
 #include "threads.h"
 
 namespace viewpeel {

@@ -6,8 +6,6 @@
 
 #include <glm/glm.hpp>
 
-#include "scene/coincident.h"
-
 namespace viewpeel {
 
 using glm::dvec3;
@@ -17,16 +15,8 @@ namespace {
 Box boxOf(const Patch& patch) { return {patch.low, patch.high}; }
 
 constexpr double kInfinity = INFINITY;
-// A patch lies nearer than this to the blockers of its own plane, which do not hide it. A box does not say in which
-// planes its patches lie. So a blocker counts only where it is farther than this from the box.
-constexpr double kInPlane = 2 * kCoincidenceReach;
 
-template <class Doubles>
-VIEWPEEL_INLINE Doubles heightsOf(const Doubles* corners, const Blocker& blocker) {
-  return corners[0] * blocker.normal.x + corners[1] * blocker.normal.y + corners[2] * blocker.normal.z - blocker.offset;
-}
-
-constexpr uint32_t kAllBlockerLanes = 0xFF, kLanesOfA = 0x0F, kLanesOfB = 0xF0;
+constexpr uint32_t kLanesOfA = 0x0F, kLanesOfB = 0xF0;
 
 // Sides say which corners of two patches lie above and below a blocker's plane: bits 0 to 3 are corners of a, 4 to 7
 // corners of b.
@@ -161,96 +151,6 @@ template <class Doubles>
   }
 }
 
-Corners::Corners(const Box& a, const Box& b) : count_(8), middles_{0.5 * (a.low + a.high), 0.5 * (b.low + b.high)} {
-  for (int k = 0; k < 8; ++k)
-    for (int axis = 0; axis < 3; ++axis)
-      first_[axis][k] = cornerOf(a, k)[axis], second_[axis][k] = cornerOf(b, k)[axis];
-}
-
-Corners::Corners(const Patch& a, const Box& b) : count_(4), middles_{a.middle, 0.5 * (b.low + b.high)} {
-  for (int k = 0; k < 8; ++k)
-    for (int axis = 0; axis < 3; ++axis)
-      first_[axis][k] = a.corners[k % 4][axis], second_[axis][k] = cornerOf(b, k)[axis];
-}
-
-template <class Doubles>
-[[gnu::always_inline]] inline bool Corners::areHiddenBy(const Blocker& blocker) const {
-  Doubles first[3], second[3];
-  for (int axis = 0; axis < 3; ++axis)
-    first[axis] = load<Doubles>(first_[axis]), second[axis] = load<Doubles>(second_[axis]);
-  const Doubles from = heightsOf(first, blocker), to = heightsOf(second, blocker);
-  const auto isAbove = [](const Doubles& heights) { return bitsAtMost(heights, kInPlane) == 0; };
-  const auto isBelow = [](const Doubles& heights) { return bitsAtMost(heights, -kInPlane) == kAllBlockerLanes; };
-  const bool is_between = (isAbove(from) && isBelow(to)) || (isBelow(from) && isAbove(to));
-  if (!is_between) return false;
-  for (int i = 0; i < count_; ++i) {
-    const double p[3] = {first_[0][i], first_[1][i], first_[2][i]}, height = from[i];
-    const Doubles t = height / (height - to), x = p[0] + t * (second[0] - p[0]), y = p[1] + t * (second[1] - p[1]),
-                  z = p[2] + t * (second[2] - p[2]);
-    Doubles beyond = -kInfinity;
-    for (uint32_t e = 0; e < blocker.corner_count; ++e) {
-      const dvec3& m = blocker.edge_normals[e];
-      beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
-    }
-    if (bitsAtMost(beyond, 0) != kAllBlockerLanes) return false;
-  }
-  return true;
-}
-
-bool Corners::areHidden(const Blocker& blocker, Vectors vectors) const {
-  bool are_hidden = false;
-  runInLanes(
-      vectors, [&]<class Types>(Types)
-                   __attribute__((always_inline)) { are_hidden = areHiddenBy<typename Types::Doubles>(blocker); });
-  return are_hidden;
-}
-
-uint32_t Corners::findHider(const std::vector<Blocker>& blockers, const BlockerList& list, Vectors vectors) const {
-  uint32_t found = UINT32_MAX;
-  runInLanes(
-      vectors, [&]<class Types>(Types) __attribute__((always_inline)) {
-        using Doubles = typename Types::Doubles;
-        // A blocker that hides the second end meets the line between the middles of both ends. So boxes that this line
-        // misses are passed over.
-        const auto isHider = [&](uint32_t index) __attribute__((always_inline)) {
-          const bool is_hider = areHiddenBy<Doubles>(blockers[index]);
-          if (is_hider) found = index;
-          return is_hider;
-        };
-        forEachOnLine<Doubles>(list, middles_[0], middles_[1], kTouchingShaft, isHider);
-      });
-  return found;
-}
-
-bool areApart(const Patch& patch, const Blocker& blocker) {
-  if (patch.plane == blocker.plane) return false;
-  // The blocker's plane may separate the two, or a plane through an edge of the patch, orthogonal to the patch. The
-  // patch's own plane does not count: a blocker that stands on the patch touches it inside its edges.
-  double least = INFINITY, largest = -INFINITY;
-  for (const dvec3& corner : patch.corners) {
-    const double height = glm::dot(blocker.normal, corner) - blocker.offset;
-    least = std::min(least, height), largest = std::max(largest, height);
-  }
-  if ((least >= -kTouchingShaft && largest > kTouchingShaft) || (largest <= kTouchingShaft && least < -kTouchingShaft))
-    return true;
-  const auto isBeyond = [&](const dvec3& normal, double offset) {
-    for (uint32_t c = 0; c < blocker.corner_count; ++c)
-      if (glm::dot(normal, blocker.corners[c]) - offset < -kTouchingShaft) return false;
-    return true;
-  };
-  for (uint32_t e = 0; e < patch.corner_count; ++e)
-    if (isBeyond(patch.edge_normals[e], patch.edge_offsets[e])) return true;
-  return false;
-}
-
-bool areApart(const Box& box, const Blocker& blocker) {
-  const dvec3 middle = 0.5 * (box.low + box.high), reach = 0.5 * (box.high - box.low);
-  const double height = glm::dot(blocker.normal, middle) - blocker.offset;
-  if (std::abs(height) > glm::dot(glm::abs(blocker.normal), reach) + kInPlane) return true;
-  const dvec3 gap = glm::max(blocker.low - box.high, box.low - blocker.high);
-  return std::max({gap.x, gap.y, gap.z}) > kInPlane;
-}
-
 PatchShaft::PatchShaft(const Patch& a, const Patch& b) : a_(a), b_(b) {
   for (int axis = 0; axis < 3; ++axis)
     for (int k = 0; k < 4; ++k) corners_[axis][k] = a.corners[k][axis], corners_[axis][4 + k] = b.corners[k][axis];
@@ -303,7 +203,7 @@ template <class Doubles>
 [[gnu::always_inline]] inline Doubles PatchShaft::heightsOver(const Blocker& blocker) const {
   Doubles corners[3];
   for (int axis = 0; axis < 3; ++axis) corners[axis] = load<Doubles>(corners_[axis]);
-  return heightsOf(corners, blocker);
+  return heightsOverPlane(corners, blocker);
 }
 
 // Returns whether the blocker, whose plane lies between a and b, hides all of b from a.
@@ -412,7 +312,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
         uint32_t free = kAllBlockerLanes;  // lines on which no blocker lies so far
         for (const uint32_t index : between) {
           const Blocker& blocker = blockers[index];
-          const Doubles from = heightsOf(p, blocker), to = heightsOf(q, blocker), t = from / (from - to);
+          const Doubles from = heightsOverPlane(p, blocker), to = heightsOverPlane(q, blocker), t = from / (from - to);
           const Doubles x = p[0] + t * (q[0] - p[0]), y = p[1] + t * (q[1] - p[1]), z = p[2] + t * (q[2] - p[2]);
           Doubles beyond = from * to;
           for (uint32_t e = 0; e < blocker.corner_count; ++e) {

@@ -7,6 +7,7 @@
 #include <glm/glm.hpp>
 #include <gtest/gtest.h>
 
+#include "pair_lines/corners.h"
 #include "pair_lines/pair_lines.h"
 #include "scenes/coincident_scenes.h"
 #include "scenes/generate.h"
