@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "program/commands.h"
+#include "program/options.h"
 
 namespace viewpeel::program {
 
@@ -48,7 +49,7 @@ void addCompletion(CLI::App& app, Run& chosen) {
           },
           "bash, zsh, fish or man")
       ->required()
-      ->check(CLI::IsMember({"bash", "zsh", "fish", "man"}).description(""));
+      ->check(isOneOf("bash|zsh|fish|man"));
 }
 
 }  // namespace viewpeel::program

@@ -39,6 +39,16 @@ std::string unknownOption(const CLI::App& command, const std::vector<std::string
   return "";
 }
 
+// Returns how to write an option that has too few values or too many.    In: fault: CLI11's text, which begins with the
+// option's name
+std::string describeUse(const CLI::App& command, const std::string& fault) {
+  const CLI::Option* option = command.get_option_no_throw(fault.substr(0, fault.find(':')));
+  if (!option) return fault;
+  const bool is_given_too_much = fault.find("At Most") != std::string::npos;
+  return fmt::format("{}: write it {}as {} {}", option->get_name(), is_given_too_much ? "once, " : "",
+                     option->get_name(), option->get_type_name());
+}
+
 }  // namespace
 
 void addDefaultCommand(const CLI::App& app, std::vector<std::string>& arguments) {
@@ -71,6 +81,7 @@ std::string describeMistake(const CLI::App& app, const std::vector<std::string>&
     std::vector<std::string> extra = app.remaining(true);
     return fmt::format("'{}' is not expected{}", extra.empty() ? "" : extra.front(), help);
   }
+  if (dynamic_cast<const CLI::ArgumentMismatch*>(&error)) return describeUse(command, error.what()) + help;
   return error.what() + help;
 }
 

@@ -1,5 +1,6 @@
 // These options belong to several subcommands.
 #pragma once
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <functional>
@@ -47,21 +48,28 @@ inline CLI::Validator isWholeNumberFrom(uint64_t least, uint64_t most) {
       "");
 }
 
+// Returns a check that a text is one of a few words.    In: words: with | between them
+inline auto isOneOf(const std::string& words) {
+  return [words](const std::string& text) {
+    const std::vector<std::string> all = CLI::detail::split(words, '|');
+    return std::ranges::find(all, text) != all.end() ? "" : fmt::format("'{}' is not one of {}", text, words);
+  };
+}
+
 // Adds an option that takes one of a few words; the first is the default.
 template <class T>
 void addChoice(CLI::App* command, const std::string& name, T& value,
                const std::vector<std::pair<std::string, T>>& choices, const std::string& text) {
   std::string words;
   for (const auto& choice : choices) words += (words.empty() ? "" : "|") + choice.first;
-  const auto choose = [&value, choices, name, words](const std::string& word) {
-    for (const auto& choice : choices) {
-      if (choice.first != word) continue;
-      value = choice.second;
-      return;
-    }
-    throw CLI::ValidationError(name, fmt::format("'{}' is not one of {}", word, words));
+  const auto choose = [&value, choices](const std::string& word) {
+    for (const auto& choice : choices)
+      if (choice.first == word) value = choice.second;
   };
-  command->add_option_function<std::string>(name, choose, text)->default_str(choices.front().first)->type_name(words);
+  command->add_option_function<std::string>(name, choose, text)
+      ->default_str(choices.front().first)
+      ->type_name(words)
+      ->check(isOneOf(words));
 }
 
 // This text describes the argument SCENE.

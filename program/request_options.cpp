@@ -36,7 +36,7 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
           "Promise the --tolerance: every form factor within it with probability 0.99, and in an interval. By default "
           "a promise is made where the run costs at most twice an estimate, or half a second of CPU time")
       ->type_name("on|off")
-      ->check(CLI::IsMember({"on", "off"}).description(""));
+      ->check(isOneOf("on|off"));
   addGoal("--relative", options->relative,
           "Go on until the largest standard error is at most this share of its form factor, over those above --floor",
           "R");
@@ -129,7 +129,7 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
           "unoccluded "
           "form factor; --closed-forms is its older name. By default planned runs do so where they can")
       ->type_name("on|off")
-      ->check(CLI::IsMember({"on", "off"}).description(""));
+      ->check(isOneOf("on|off"));
   command
       ->add_option_function<std::string>(
           "--pair-lines", [options](const std::string& word) { options->request.pair_lines = word == "on"; },
@@ -137,7 +137,7 @@ void addMethodOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& 
           "in "
           "place of directions for all pairs. By default planned runs do so where it is quicker")
       ->type_name("on|off")
-      ->check(CLI::IsMember({"on", "off"}).description(""));
+      ->check(isOneOf("on|off"));
 }
 
 void addQuestionOptions(CLI::App* command, Request& request) {

@@ -300,7 +300,7 @@ void addSolve(CLI::App& app, Run& chosen, Job& job) {
               "Also write exchange factors, reflections and all, and conductors in m2, into NAME.exchange.csv beside "
               "NAME.csv; or conductors alone, as a network of ESATAN (NAME.exchange.d) or SINDA (NAME.exchange.inp)")
           ->type_name("gebhart|script-f|esatan|sinda")
-          ->check(CLI::IsMember({"gebhart", "script-f", "esatan", "sinda"}).description(""));
+          ->check(isOneOf("gebhart|script-f|esatan|sinda"));
   command
       ->add_option(
           "--drop-below", options->drop_below,

@@ -25,7 +25,11 @@ TEST_F(Program, MistypedWordsAreCorrectedInOneLine) {
             "plan --help'"},
            {"compute " + kCube + " --zzzzzzz", "there is no option --zzzzzzz; see", "compute --help'"},
            {"devices one two", "'one' is not expected", "devices --help'"},
-           {"compute " + kCube + " --directions", "--directions: 1 required N missing", "compute --help'"}}) {
+           {"compute " + kCube + " --directions", "--directions: write it as --directions N", "compute --help'"},
+           {"compute " + kCube + " -o", "--output: write it as --output FILE", "compute --help'"},
+           {"compute " + kCube + " --up 0,1", "--up: write it as --up X,Y,Z", "compute --help'"},
+           {"compute " + kCube + " --seed 1 --seed 2", "--seed: write it once, as --seed K", "compute --help'"},
+           {"compute " + kCube + " --promise maybe", "--promise: 'maybe' is not one of on|off", "compute --help'"}}) {
     const Result r = run(c.arguments);
     EXPECT_EQ(r.status, 2) << c.arguments;
     EXPECT_EQ(r.output.find("viewpeel: " + c.first), 0u) << r.output;

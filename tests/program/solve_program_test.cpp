@@ -123,7 +123,7 @@ TEST_F(SolveProgram, ExchangeFactorsStandBesideTheAnswers) {
   const std::string cube = "solve " + kCube + " --materials " + officeMaterials();
   expectRefusal(run(cube + " --exchange gebhart"), "give -o NAME.csv");
   expectRefusal(run(cube + " --drop-below 0.1"), "requires --exchange");
-  expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "not in");
+  expectRefusal(run(cube + " --exchange b -o " + file("b.csv")), "'b' is not one of gebhart|");
   expectRefusal(run(cube + " --exchange gebhart -o " + file("b.csv") + " -o " + file("b.exchange.csv")),
                 "two outputs have this name");
   expectRefusal(run(cube + " -o " + file("b.csv") + " -o " + file("./b.csv")), "two outputs have this name");
