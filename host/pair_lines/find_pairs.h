@@ -91,7 +91,8 @@ class PairFinder {
   // Finds those of some pairs of patches that find() would find.
   //   In: pairs: of indices of patches
   //   Error: find() may hide a row of patches behind a curtain that is not found for each of its pairs.
-  //   Cost: some microseconds a pair against 4,000 blockers.
+  //   Cost: on one thread 6 microseconds for each of 2,500 pairs against 190 blockers, 40 for each of 1,000 against
+  //   2,700.
   PairsAmong findAmong(std::span<const std::pair<uint32_t, uint32_t>> pairs, size_t threads) const;
 
   // Returns a bound on what the rows of two patches exchange, over the area of the smaller row's sides.
