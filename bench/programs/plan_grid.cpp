@@ -4,10 +4,10 @@
 //
 // Scenes and their truths are those of support/truth.h; a truth is a run at a fifth of the least tolerance. By hand, a
 // scene is computed with lines for all pairs, with mixtures (estimator/line_mixture.h) of several least form factors,
-// and along common directions alone, with several numbers of directions and several lattices. In mixtures common
-// directions count the other pairs, or in open scenes rays. A method by hand counts where its largest true error is at
-// most T for every seed. So common directions stop at their true error, which no plan knows. Lines and mixtures stop as
-// planned runs do.
+// and along common directions alone, with several numbers of directions and several lattices. In a mixture
+// common directions count the pairs without lines. In open scenes there are mixtures with rays in their place, too. A
+// method by hand counts where its largest true error is at most T for every seed. So common directions stop at their
+// true error, which no plan knows. Lines and mixtures stop as planned runs do.
 // The columns `planned` and `by_hand` have medians of CPU seconds over the seeds, of all threads, from the scene in
 // memory to the form factors, the plan's own cost included. The columns after them have the largest true errors of all
 // seeds, of form factors and of row sums. `ratio` is the planned time over the time by hand; below 1 no method by hand

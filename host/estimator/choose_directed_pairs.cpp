@@ -11,8 +11,8 @@
 #include "estimator/estimate.h"
 #include "estimator/find_prior.h"
 #include "sums/add_pairs.h"
-#include "sums/pair_walk.h"
 #include "sums/pair_count.h"
+#include "sums/pair_walk.h"
 
 namespace viewpeel {
 namespace {

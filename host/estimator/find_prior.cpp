@@ -8,8 +8,8 @@
 #include "engines/lattice.h"
 #include "estimator/directed_pairs.h"
 #include "sums/add_pairs.h"
-#include "sums/pair_walk.h"
 #include "sums/pair_count.h"
+#include "sums/pair_walk.h"
 #include "scene/rank_by_place.h"
 #include "stopwatch.h"
 

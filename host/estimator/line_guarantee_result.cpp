@@ -9,8 +9,8 @@
 #include <viewpeel/error.h>
 #include "estimator/estimate.h"
 #include "sums/add_pairs.h"
-#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
+#include "sums/pair_walk.h"
 
 namespace viewpeel {
 

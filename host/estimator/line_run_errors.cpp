@@ -11,9 +11,9 @@
 #include "memory.h"
 #include "rays/ray_engine.h"
 #include "sums/add_pairs.h"
-#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
 #include "sums/mixture_entries.h"
+#include "sums/pair_walk.h"
 #include "sums/row_sums.h"
 
 namespace viewpeel {

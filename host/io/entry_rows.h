@@ -72,7 +72,7 @@ class EntryRows {
 void makeRows(const EntryRows& rows, const std::function<void(uint32_t, uint32_t, fmt::memory_buffer&)>& make,
               const std::function<void(std::span<const char>)>& use);
 
-// Makes bytes of each nonzero entry of the requested rows, as makeRows().
+// Makes bytes of each nonzero entry of the requested rows on all threads, and uses them in the order of the rows.
 //   In: make(entry, bytes): appends to the bytes; threads call it at the same time    Cost: O(pairs).
 template <class Make>
 void makeEntries(const EntryRows& rows, const Make& make, const std::function<void(std::span<const char>)>& use) {
@@ -95,7 +95,8 @@ void makeColumn(const EntryRows& rows, const ValueOf& valueOf, const std::functi
   makeEntries(rows, make, use);
 }
 
-// Writes the text of each entry, as makeEntries().
+// Writes a text for each nonzero entry of the requested rows, row by row. All threads make the texts.
+//   In: print(entry, text): appends to the text; threads call it at the same time
 template <class Print>
 void printEntries(const EntryRows& rows, std::ostream& out, const Print& print) {
   makeEntries(rows, print,

@@ -21,8 +21,8 @@ class NpzOutput {
   void write(const std::string& name, std::span<const T> values);
   using UseBytes = std::function<void(std::span<const char>)>;
   // Adds NAME.npy without having all of it in memory.
-  //   In: count: of values of type T; forEachPart(use): calls use(bytes) for each part of their bytes. It is called
-  //   twice, and must give the same bytes.
+  //   In: count: number of values, which are of type T; forEachPart(use): makes the bytes of all values in parts, and
+  //   calls use(bytes) for each part. It is called twice, and must give the same bytes.
   template <class T>
   void write(const std::string& name, size_t count, const std::function<void(const UseBytes&)>& forEachPart);
   // Adds NAME.npy: one text, as an array of bytes without dimensions.

@@ -12,8 +12,8 @@ namespace {
 
 using glm::dvec3;
 
-// A patch lies nearer than this to the blockers of its own plane, which do not hide it. A box does not say in which
-// planes its patches lie. So a blocker counts only where it is farther than this from the box.
+// Blockers in a patch's own plane do not hide it; they are nearer to it than this. A box does not say in which planes
+// its patches lie. So a blocker counts only where it is farther than this from the box.
 constexpr double kInPlane = 2 * kCoincidenceReach;
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Corners tell which blockers hide one convex end from another.
+// Corners tell whether a blocker hides a box from another box, or from a patch.
 //
-// A blocker does so where it meets every line between the corners of the two ends (shafts.h).
+// It does where it meets every line between the corners of the two (shafts.h), which are called ends of these lines.
 #pragma once
 #include <cstdint>
 #include <vector>

@@ -63,7 +63,7 @@ class PairFinder::Search {
     });
   }
 
-  // Finds those of some pairs of patches that lie in two clusters, as search() finds all pairs. It changes their order.
+  // Searches two clusters as search() does, but for these pairs alone. It changes their order.
   void searchAmong(uint32_t a, uint32_t b, const BlockerList& between, std::span<PlacedPair> pairs, size_t depth = 0) {
     if (node(a).isLeaf() && node(b).isLeaf()) {
       decided += pairs.size();
@@ -343,8 +343,7 @@ PatchPairs PairFinder::find(size_t threads, const std::function<void()>& stop, d
   // One thread divides tasks until there are enough for all threads. Then each thread takes one task after another.
   std::atomic<size_t> found_count = 0;
   Search first(*this, least_form_factor, found_count);
-  std::vector<Task> tasks(1);
-  tasks[0] = {0, 0, listAll()};
+  std::vector<Task> tasks = {{0, 0, listAll()}};
   while (!tasks.empty() && tasks.size() < kTasks) {
     std::vector<Task> next;
     bool is_divided = false;

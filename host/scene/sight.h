@@ -13,7 +13,8 @@ namespace viewpeel {
 class Sight {
  public:
   static constexpr uint32_t kNothing = UINT32_MAX;
-  // Random directions have at least this cosine. At smaller ones hits of coincident polygons may be far apart on a ray.
+  // A random ray makes at least this cosine with the normal of the polygon that it leaves. On flatter rays the hits of
+  // coincident polygons may be far apart.
   static constexpr double kLeastCosine = 0.01;
   struct End {
     uint32_t polygon = kNothing;

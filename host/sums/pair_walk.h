@@ -1,4 +1,4 @@
-// A PairWalk finds pairs in a sorted list by their keys, for callers who go through another sorted list.
+// While a caller goes through one sorted list of pairs, a PairWalk finds the pairs with the same keys in another.
 #pragma once
 #include <algorithm>
 #include <utility>

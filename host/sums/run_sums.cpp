@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sums/pair_walk.h"
 #include "sums/line_form_factors.h"
+#include "sums/pair_walk.h"
 #include "threads.h"
 
 namespace viewpeel {
