@@ -55,6 +55,7 @@ struct Next {
   PFN_vkGetPhysicalDeviceFeatures2 getFeatures2;
   PFN_vkGetPhysicalDeviceQueueFamilyProperties getQueueFamilies;
   PFN_vkQueueSubmit2 queueSubmit2;
+  PFN_vkQueueWaitIdle queueWaitIdle;
   PFN_vkWaitForFences waitForFences;
   PFN_vkAllocateMemory allocateMemory;
   PFN_vkFreeMemory freeMemory;
@@ -106,6 +107,7 @@ VKAPI_ATTR VkResult VKAPI_CALL createDevice(VkPhysicalDevice physical, const VkD
   the_device = *device;
   if (result != VK_SUCCESS) return result;
   findOfDevice("vkQueueSubmit2", next.queueSubmit2);
+  findOfDevice("vkQueueWaitIdle", next.queueWaitIdle);
   findOfDevice("vkWaitForFences", next.waitForFences);
   findOfDevice("vkAllocateMemory", next.allocateMemory);
   findOfDevice("vkFreeMemory", next.freeMemory);
@@ -143,7 +145,10 @@ VKAPI_ATTR void VKAPI_CALL getQueueFamilies(VkPhysicalDevice device, uint32_t* c
 
 VKAPI_ATTR VkResult VKAPI_CALL queueSubmit2(VkQueue queue, uint32_t count, const VkSubmitInfo2* submits,
                                             VkFence fence) {
-  if (failsAt("lost", ++submissions)) return VK_ERROR_DEVICE_LOST;
+  if (failsAt("lost", ++submissions)) {
+    next.queueWaitIdle(queue);  // nothing runs on a lost device, so that the program may destroy what it used
+    return VK_ERROR_DEVICE_LOST;
+  }
   return next.queueSubmit2(queue, count, submits, fence);
 }
 
