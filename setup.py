@@ -1,10 +1,12 @@
 """Builds the Python module by CMake: `pip install . --no-build-isolation --no-deps` (docs/python.md).
 
 VIEWPEEL_BUILD_DIR=build/release uses the library of an existing build tree instead of compiling it again.
+CMAKE_ARGS has further arguments for CMake, such as -DCMAKE_CXX_FLAGS_RELEASE=-O1.
 """
 
 import os
 import re
+import shlex
 import shutil
 import subprocess
 import sys
@@ -21,7 +23,7 @@ def configure(tree, *settings):
     parts = [f"-DVIEWPEEL_BUILD_{part}=OFF" for part in ("PROGRAM", "TESTS", "BENCH", "REFERENCE", "C")]
     subprocess.run(
         ["cmake", "-S", ROOT, "-B", tree, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DVIEWPEEL_UNITE_FILES=ON", "-DVIEWPEEL_INSTALL=OFF",
-         "-DVIEWPEEL_BUILD_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}", *parts, *settings],
+         "-DVIEWPEEL_BUILD_PYTHON=ON", f"-DPython_EXECUTABLE={sys.executable}", *parts, *shlex.split(os.environ.get("CMAKE_ARGS", "")), *settings],
         check=True)  # fmt: skip
 
 
