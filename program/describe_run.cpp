@@ -126,8 +126,12 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
     text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
                         lines.least_form_factor);
   if (lines.has_rays)
-    text += fmt::format("sampling   up to {} of each polygon a replicate, for the other pairs, environment and leak; ",
-                        counted(plan.directions, "ray"));
+    text += lines.least_form_factor > 0
+                ? fmt::format(
+                      "sampling   up to {} of each polygon a replicate, for the other pairs, environment and leak; ",
+                      counted(plan.directions, "ray"))
+                : fmt::format("sampling   {} of each polygon a replicate, for environment and leak; ",
+                              counted(plan.directions, "ray"));
   else if (plan.directions)
     text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",
                         counted(plan.directions, "direction"), plan.sampler,

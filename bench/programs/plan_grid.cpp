@@ -103,23 +103,30 @@ Request requestWithLines(const Job& job, uint64_t seed) {
   return request;
 }
 
-// Returns the method of pair lines: for all pairs, or for pairs whose unoccluded form factor is at least `share` of the
-// goal, while common directions count the others.    In: share: 0: all pairs
+// Returns the method of lines for all pairs, while rays of each polygon's own see what leaves the scene.
+Method linesOfAll() {
+  return [](const Job& job, uint64_t seed, double most_seconds) {
+    const double begun = cpuSecondsOf(RUSAGE_SELF);
+    const Setup setup(job.scene, requestWithLines(job, seed), {}, {});
+    const std::unique_ptr<RayEngine> rays = makeRayEngine(job.scene, setup.faceIds(), setup.lattices().lattice);
+    const LineMixture mixture;
+    rays->setRays(std::vector<uint32_t>(setup.faceIds().count(), mixture.directions));
+    return runLines(job, setup, seed, *rays, mixture, rays.get(), begun + most_seconds);
+  };
+}
+
+// Returns the method of lines for pairs whose unoccluded form factor is at least `share` of the goal, while common
+// directions count the others.
 Method linesOf(double share) {
   return [share](const Job& job, uint64_t seed, double most_seconds) {
     const double begun = cpuSecondsOf(RUSAGE_SELF);
     const Setup setup(job.scene, requestWithLines(job, seed), {}, {});
-    LineMixture mixture;
-    if (share > 0) {
-      mixture = setup.mixture();
-      mixture.least_form_factor = share * job.tolerance;
-    }
+    LineMixture mixture = setup.mixture();
+    mixture.least_form_factor = share * job.tolerance;
     Lattices lattices = setup.lattices();
-    if (mixture.resolution) lattices.lattice.resolution = mixture.resolution;
-    const std::vector<SizeGroup> groups = mixture.resolution
-                                              ? planGroups(job.scene, setup.faceIds(), setup.sampling(),
-                                                           mixture.resolution, mixture.resolution, mixture.directions)
-                                              : groupAsOne(job.scene, lattices.lattice.resolution);
+    lattices.lattice.resolution = mixture.resolution;
+    const std::vector<SizeGroup> groups = planGroups(job.scene, setup.faceIds(), setup.sampling(), mixture.resolution,
+                                                     mixture.resolution, mixture.directions);
     const std::unique_ptr<Engine> engine = makeEngine(lattices, job.scene, setup.faceIds(), groups);
     return runLines(job, setup, seed, *engine, mixture, nullptr, begun + most_seconds);
   };
@@ -161,7 +168,7 @@ Outcome findBest(const Job& job, double most_seconds) {
     if (outcome.reaches && outcome.cpu_seconds < best.cpu_seconds) best = outcome;
     return outcome;
   };
-  consider(measure(job, "lines", linesOf(0), best.cpu_seconds));
+  consider(measure(job, "lines", linesOfAll(), best.cpu_seconds));
   for (const double share : {1.0 / 30, 1.0 / 10, 1.0 / 3})
     consider(measure(job, fmt::format("lines from {:.2g} T", share), linesOf(share), best.cpu_seconds));
   for (const double share : {1.0 / 10, 1.0 / 3})
@@ -194,7 +201,7 @@ void compareMethods(const std::string& name, const Options& options) {
     job.tolerance = tolerance;
     const Outcome best = findBest(job, 2 * planned.cpu_seconds);
     const bool is_mixture = plan.pair_lines && plan.pair_lines->least_form_factor > 0,
-               has_rays = plan.pair_lines && plan.pair_lines->has_rays;
+               has_rays = is_mixture && plan.pair_lines->has_rays;
     fmt::print("{},{},{},{},{:.3g},{:.3g},{:.3g},\"{}\",{:.3g},{:.3g},{:.3g},{:.2f}\n", name, scene.faces.size(),
                tolerance,
                has_rays          ? "rays"

@@ -63,7 +63,8 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
     for (const LinePair& pair : sums.lines->pairs()) estimate.line_pairs += pair.blocks > 0;
     estimate.lines = sums.lines->lineCount();
     const double least = sums.lines->leastFormFactor();
-    if (least > 0) estimate.unmet_bound = least;
+    if (!(least > 0)) return estimate;  // all pairs that may see each other have lines
+    estimate.unmet_bound = least;
     if (sums.by_id.countsRays()) {
       const ReplicateSums& counted = sums.lines->by() == By::polygon ? sums.by_id : sums.by_surface;
       // In further replicates only environment and leak may have had rays.

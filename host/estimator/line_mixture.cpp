@@ -136,9 +136,12 @@ double secondsWithRays(const PairNumbers& pairs, double rays, bool is_open) {
   return secondsOfFew(pairs, secondsOfLines(pairs, is_open), pairs.large + pairs.small_of_parts) + kSecondsOfRay * rays;
 }
 
+bool areLinesQuick(const PairNumbers& pairs) { return mayFindAll(pairs) && secondsInClosed(pairs) <= kSoon; }
+
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates) {
-  return mayFindAll(work.pairs) &&
-         secondsInClosed(work.pairs) <= std::max(kSoon, kWorth * secondsWithDirections(work, mixture, replicates));
+  return areLinesQuick(work.pairs) ||
+         (mayFindAll(work.pairs) &&
+          secondsInClosed(work.pairs) <= kWorth * secondsWithDirections(work, mixture, replicates));
 }
 
 bool paysRays(const PairNumbers& pairs, double rays, bool may_promise, bool is_open) {

@@ -80,6 +80,8 @@ bool mayFit(const LineMixture& mixture, uint32_t replicates, size_t face_count);
 double secondsOfLines(const PairNumbers& pairs, bool is_open);
 double secondsWithDirections(const LineWork& work, const LineMixture& mixture, uint32_t replicates);
 double secondsWithRays(const PairNumbers& pairs, double rays, bool is_open = true);
+// Returns whether lines for all pairs of a closed scene take so little time that nothing else pays.
+bool areLinesQuick(const PairNumbers& pairs);
 // Returns whether all pairs get lines rather than the mixture. They do where lines for all cost little more time, or
 // little time at all, because form factors by lines are far more exact.
 bool paysLinesForAll(const LineWork& work, const LineMixture& mixture, uint32_t replicates);

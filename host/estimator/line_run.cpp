@@ -148,7 +148,7 @@ void LineRun::drawAhead(uint64_t replicate) {
   std::vector<LineCounts> lines = lines_.countAhead(sums_.lines->pairs(), replicate, replicates);
   for (LineCounts& of_replicate : lines) ahead_.push_back({std::move(of_replicate), std::nullopt});
   if (!options_.rays) return;
-  std::vector<PairCounts> rays = engine_.countBlocks(directionsOf(replicate, replicates), options_.directions);
+  std::vector<PairCounts> rays = countReplicates(replicate, replicates);
   for (size_t k = 0; k < replicates; ++k) ahead_[k].counts = std::move(rays[k]);
 }
 
@@ -156,7 +156,7 @@ void LineRun::drawAhead(uint64_t replicate) {
 void LineRun::addReplicate(uint64_t replicate, Ahead& drawn) {
   PairCounts counts;
   if (drawn.counts) counts = std::move(*drawn.counts);
-  else if (options_.directions) counts = engine_.count(directionsOf(replicate, 1));
+  else if (options_.directions) counts = std::move(countReplicates(replicate, 1).front());
   leaveOutPairsWithLines(counts, *sums_.lines);
   if (sums_.replicateCount() == 0) sums_.measure_area = count_area_;
   sums_.addLines(replicate, counts, options_.directions, drawn.lines);
@@ -185,6 +185,17 @@ void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
 // Returns the directions of replicates, one after another.    In: replicate: the first
 std::vector<Direction> LineRun::directionsOf(uint64_t replicate, size_t replicates) const {
   return sampleReplicates(options_.sampler, options_.directions, options_.seed, replicate, replicates);
+}
+
+// Counts replicates, one after another. Rays count only what leaves the scene or ends on backs where all pairs have
+// lines.    In: replicate: the first
+std::vector<PairCounts> LineRun::countReplicates(uint64_t replicate, size_t replicates) const {
+  const std::vector<Direction> directions = directionsOf(replicate, replicates);
+  if (options_.rays && !hasCountedPairs())
+    return options_.rays->countOutside(directions, options_.directions, sums_.lines->ids());
+  // Threads share the directions in count(), but may share the blocks in countBlocks().
+  return replicates == 1 ? std::vector<PairCounts>{engine_.count(directions)}
+                         : engine_.countBlocks(directions, options_.directions);
 }
 
 Estimate LineRun::estimate() const { return makeEstimate(sums_, options_.relative_floor); }

@@ -1,8 +1,8 @@
 // A LineRun draws pair lines until the goal is reached, one replicate a step.
 //
 // Form factors between faces come from pair lines (pair_lines.h): of all pairs, or of pairs whose unoccluded form
-// factor is large enough. Common directions count the other pairs. They also tell which rows see the environment and
-// where lines leak.
+// factor is large enough. Common directions count the other pairs, or rays of each polygon's own do. They also tell
+// which rows see the environment and where lines leak.
 #pragma once
 #include <deque>
 #include <functional>
@@ -19,7 +19,7 @@ namespace viewpeel {
 class LineRun {
  public:
   // Begins a run, or continues options.resumed.
-  //   In: engine, face_ids: for common directions; lines: after planLines; pairs: from planLines, ignored with
+  //   In: engine, face_ids: for common directions or rays; lines: after planLines; pairs: from planLines, ignored with
   //   options.resumed; all but pairs are kept by reference. least_form_factor: as in LineSums, of these pairs. options:
   //   goals, replicates, first_replicate, seed, sampler, directions, resumed, by
   LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLines& lines, std::vector<LinePair> pairs,
@@ -61,10 +61,13 @@ class LineRun {
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
-  // After the planned replicates only the environment and the leak of rows that miss the goal get rays, but where the
-  // goal is about all errors.
-  bool hasFurtherRays() const { return options_.rays && options_.by == By::polygon && !options_.rms; }
+  // In a mixture only the environment and the leak of rows that miss the goal get rays after the planned replicates.
+  // Where the goal is about all errors, all of them do.
+  bool hasFurtherRays() const {
+    return options_.rays && hasCountedPairs() && options_.by == By::polygon && !options_.rms;
+  }
   std::vector<Direction> directionsOf(uint64_t replicate, size_t replicates) const;
+  std::vector<PairCounts> countReplicates(uint64_t replicate, size_t replicates) const;
   void drawAhead(uint64_t replicate);
   void addReplicate(uint64_t replicate, Ahead& drawn);
   void castFurtherRays(uint64_t replicate, const LineCounts& lines);

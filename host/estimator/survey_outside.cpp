@@ -1,6 +1,7 @@
 #include "estimator/survey_outside.h"
 
 #include <algorithm>
+#include <numeric>
 #include <vector>
 
 #include "directions/replicates.h"
@@ -56,11 +57,24 @@ std::vector<uint32_t> rowsOfLargest(const std::vector<double>& shares, size_t co
   return is_of_largest;
 }
 
+constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
+
 // Returns the largest share of which the row has three rays or more.
 double largestSure(const std::vector<double>& shares, uint32_t rays) {
-  constexpr double kSureRays = 3, kRounding = 0.5;  // counts are rounded to a small part of a ray
   const double largest = std::ranges::max(shares);
   return largest * rays > kSureRays - kRounding ? largest : 0;
+}
+
+// Returns whether more rays left the scene or ended on backs than may have grazed edges: three, and four times as many
+// as the most that did so in any scene measured (survey_outside.h).
+//   In: rays: of each row that casts
+bool hasOutside(const RowShares& shares, const std::vector<uint32_t>& casts, uint32_t rays) {
+  constexpr double kMostGrazed = 4 / 80'000.0;
+  const double all = rays * std::accumulate(casts.begin(), casts.end(), 0.0);
+  double outside = 0;
+  for (const std::vector<double>* of : {&shares.environment, &shares.leak})
+    outside += rays * std::accumulate(of->begin(), of->end(), 0.0);
+  return outside > kSureRays - kRounding + kMostGrazed * all;
 }
 
 }  // namespace
@@ -68,8 +82,11 @@ double largestSure(const std::vector<double>& shares, uint32_t rays) {
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
   constexpr uint32_t kFurtherRays = 1024;
   constexpr size_t kMostFurtherRows = 512;
-  const RowShares first = castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 2);
-  OutsideShares shares{.largest_environment = largestSure(first.environment, rays), .has_leak = isAbove0(first.leak)};
+  const std::vector<uint32_t> casts = requestedRows(ids);
+  const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
+  OutsideShares shares{.largest_environment = largestSure(first.environment, rays),
+                       .has_outside = hasOutside(first, casts, rays),
+                       .has_leak = isAbove0(first.leak)};
   if (std::ranges::count(shares.has_leak, true) == 0) return shares;
   const RowShares further = castFrom(engine, scene, ids, rowsOfLargest(first.leak, kMostFurtherRows), kFurtherRays,
                                      seed, kRayReplicates.end - 1);

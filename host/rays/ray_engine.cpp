@@ -72,7 +72,6 @@ class TreeRayEngine : public RayEngine {
     return rays;
   }
   double unitArea() const override { return unit_; }
-  std::string describePlan() const override { return "rays of each polygon's own\n"; }
 
  private:
   struct Hits;
@@ -365,6 +364,14 @@ uint32_t RayEngine::usualRays(double at_least) {
   const auto rays = std::bit_ceil(std::max(kLeastRays, static_cast<uint32_t>(std::ceil(at_least))));
   // Three quarters of 64 or more are a multiple of the sixteen rays that are cast at a time.
   return rays >= 4 * kLeastRays && rays / 4 * 3 >= at_least ? rays / 4 * 3 : rays;
+}
+
+std::vector<PairCounts> RayEngine::countOutside(std::span<const Direction> directions, size_t block_directions,
+                                                const Ids& ids) {
+  std::vector<uint32_t> blocks(ids.count());
+  for (uint32_t id = 0; id < ids.count(); ++id)
+    if (ids.isRequested(id)) blocks[id] = static_cast<uint32_t>(directions.size() / block_directions);
+  return countOutside(directions, block_directions, blocks);
 }
 
 std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {

@@ -47,6 +47,8 @@ class RayEngine : public Engine {
   //   In: blocks: uint32_t[ids], in how many of the first blocks polygons of an id have rays
   virtual std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions,
                                                const std::vector<uint32_t>& blocks) = 0;
+  // The same from requested rows alone, which have rays in all blocks.
+  std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions, const Ids& ids);
 };
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says

@@ -18,7 +18,7 @@
 namespace viewpeel {
 namespace {
 
-constexpr uint32_t kTriedDirections = 16;  // of each lattice of a mixture
+constexpr uint32_t kTriedDirections = 16;  // of each lattice
 
 }  // namespace
 
@@ -33,7 +33,8 @@ uint32_t FormFactorRun::State::commonDirections() const {
       std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
 }
 
-// Makes the engine of common directions. Where these count pairs, small polygons have windows of their own.
+// Makes the engine of the mixture's rays, or of its common directions. Where these count pairs, small polygons have
+// windows of their own.
 void FormFactorRun::State::makeLineEngine() {
   Lattices lattices = setup.lattices();
   int& resolution = lattices.lattice.resolution;
@@ -53,10 +54,23 @@ void FormFactorRun::State::makeLineEngine() {
   plan->engine = makeEngine(lattices, setup.scene(), setup.faceIds(), plan->groups);
 }
 
+// Makes the engine that sees what leaves the scene or ends on backs, where all pairs have lines: rays if they suit the
+// scene, else common directions. Rays cost less, and see small polygons as well as large ones.
+void FormFactorRun::State::makeOutsideEngine() {
+  if (!maySurvey()) {
+    if (!plan->engine) makeLineEngine();
+    return;
+  }
+  line_mixture.resolution = LatticeOptions{}.resolution;
+  if (line_mixture.directions) line_mixture.rays.assign(setup.faceIds().count(), line_mixture.directions);
+  rayEngine().setRays(line_mixture.rays);
+  useRays(std::move(ray_engine));
+}
+
 // Decides whether all pairs have lines, or only the pairs that are not small against the goal. Then it also decides
-// what counts the small pairs.
-//   In: counts: along pilot directions    Out: the reason if neither is possible, else empty
-std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
+// what counts the small pairs, and makes its engine.
+//   Out: the reason if neither is possible, else empty
+std::string FormFactorRun::State::takeMixture() {
   if (resumed) {
     const double least = resumed->sums.lines->leastFormFactor(), most = least * kMostOfCounted;
     constexpr double kRounding = 1e-9;
@@ -69,12 +83,13 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
           fmt::format("{}: pairs with form factors below {:.2g} have no lines there, so that errors may be {:.2g}; "
                       "ask for that --tolerance or a larger one, or take another file",
                       resumed_file.string(), least, most));
-    line_mixture = {least, setup.estimate().directions, least > 0 ? setup.resolution() : 0, resumed->sums.rays};
+    const bool has_lattice = least > 0 || !resumed->sums.rays.empty();
+    line_mixture = {least, setup.estimate().directions, has_lattice ? setup.resolution() : 0, resumed->sums.rays};
     makeLineEngine();
     return "";
   }
   if (setup.estimate().is_timed)
-    if (std::string why = takeTimedTolerance(counts); !why.empty()) return why;
+    if (std::string why = takeTimedTolerance(); !why.empty()) return why;
   if (setup.estimate().rms)
     return takeRaysForRms() || !setup.isLarge() || mayFindAll(pairNumbers())
                ? ""
@@ -85,10 +100,12 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
   if (!may_have_rays && !may_count) return "";
   const uint32_t replicates = setup.estimate().replicates;
   const LineMixture mixture = setup.mixture();
-  LineWork work{pairNumbers(), double(counts.size()) / kPilotDirections};
+  LineWork work{pairNumbers()};
   if ((may_have_rays && takeRays(work.pairs)) || !may_count) return "";
   const bool may_be_exact = !setup.isLarge() && work.pairs.blocked == 0;
-  if (may_be_exact || paysLinesForAll(work, mixture, replicates)) return "";
+  if (may_be_exact || areLinesQuick(work.pairs)) return "";
+  work.pairs_of_direction = pairsOfDirection();
+  if (paysLinesForAll(work, mixture, replicates)) return "";
   if (!setup.request().question.isEverything())
     return mayFindAll(work.pairs) ? "" : "too many pairs of polygons see each other";
   const bool insists = setup.request().pair_lines.value_or(false);
@@ -101,14 +118,14 @@ std::string FormFactorRun::State::takeMixture(const PairCounts& counts) {
     if (fitMixture(mixture, work) && !paysLinesForAll(work, mixture, replicates)) return "";
   }
   line_mixture = {};
-  makeLineEngine();
+  plan->engine.reset();
   return !setup.isLarge() || mayFindAll(work.pairs) ? "" : why;
 }
 
 // Chooses the tolerance of a run whose goal is a time: the finest one for which the costs of line_mixture.h take half
 // of the time that is left. The other half is for what these costs do not contain, and for their error.
-//   In: counts: along pilot directions    Out: the reason where pairs get no lines, else empty
-std::string FormFactorRun::State::takeTimedTolerance(const PairCounts& counts) {
+//   Out: the reason where pairs get no lines, else empty
+std::string FormFactorRun::State::takeTimedTolerance() {
   const EstimateOptions& options = setup.estimate();
   const double threads = setup.request().threads ? setup.request().threads : double(threadCount()),
                most = 0.5 * threads * std::max(0.0, *options.seconds - secondsSince(*start));
@@ -125,14 +142,24 @@ std::string FormFactorRun::State::takeTimedTolerance(const PairCounts& counts) {
     return "lines for all pairs would take longer than --seconds";
   const auto fits = [&](double tolerance) {
     setup.setTimedTolerance(tolerance);
-    const LineWork work{pairNumbers(), double(counts.size()) / kPilotDirections};
-    return (may_have_rays ? secondsWithRays(work.pairs, numberOfRays(planRays().outside))
-                          : secondsWithDirections(work, setup.mixture(), options.replicates)) <= most;
+    return (may_have_rays ? secondsWithRays(pairNumbers(), numberOfRays(planRays().outside))
+                          : secondsWithDirections({pairNumbers(), pairsOfDirection()}, setup.mixture(),
+                                                  options.replicates)) <= most;
   };
   double tolerance = kCoarsestTimed;
   while (tolerance > kFinestTimed && fits(tolerance / 2)) tolerance /= 2;
   setup.setTimedTolerance(tolerance);
   return "";
+}
+
+// Returns how many pairs of faces one common direction counts on average, on the lattice of a run in which all pairs
+// have lines.
+double FormFactorRun::State::pairsOfDirection() {
+  if (!pairs_of_direction) {
+    if (!plan->engine) makeLineEngine();
+    pairs_of_direction = double(countDirections(kTriedDirections).size()) / kTriedDirections;
+  }
+  return *pairs_of_direction;
 }
 
 // Returns estimates of how many pairs of polygons there are, whose lines may have to be found.
@@ -252,11 +279,11 @@ void FormFactorRun::State::countAlongRays(LineMixture mixture) {
   useRays(std::move(ray_engine));
 }
 
-// Plans to count along rays.    In: engine: with the rays of line_mixture
+// Plans to count along rays.    In: engine: with the rays of line_mixture, which may have none
 void FormFactorRun::State::useRays(std::unique_ptr<RayEngine> engine) {
   plan->directions = line_mixture.directions;
   plan->groups = groupAsOne(setup.scene(), line_mixture.resolution);
-  rays = engine.get();
+  rays = line_mixture.hasRays() ? engine.get() : nullptr;
   plan->engine = std::move(engine);
 }
 

@@ -41,8 +41,38 @@ void FormFactorRun::State::refusePromise(const std::string& why) {
 // Plans a promise.    In: line_pairs: from findLinePairs()    Out: false where form factors are to be estimated
 bool FormFactorRun::State::planPromise() {
   const double tolerance = *setup.estimate().tolerance;
+  const auto refuse = [&](const std::string& why) {
+    takeBackPromise();
+    refusePromise(why);
+    return false;
+  };
+  const auto mayPlanFor = [&](bool is_open) {
+    setup.promise(is_open);
+    try {
+      makeLineGuarantee();
+    } catch (const Error& error) {
+      return refuse(error.what());
+    }
+    const LineGuaranteeFigures& figures = line_guarantee->figures();
+    return setup.request().promise || isWorthPromise(figures.cost, figures.estimate_cost) ||
+           refuse(fmt::format("a promise would cost {:.2g} times as much, {} of CPU time in place of {}",
+                              figures.cost / figures.estimate_cost, inWords(figures.cost),
+                              inWords(figures.estimate_cost)));
+  };
+  if (!mayPlanFor(may_leave)) return false;
+  const bool is_open = countOutside();
+  if (leaked_share > kGrazedPart * tolerance) return refuse(reasonOfLeak(leaked_share));
+  if (is_open && !may_leave && !mayPlanFor(true)) return false;
+  line_guarantee->predictSeconds(finding_seconds);
+  return true;
+}
+
+// Counts along common directions what leaves the scene or ends on backs, for a promise.
+//   Out: whether anything leaves the scene; sets promise_counts, and leaked_share where more leaks
+bool FormFactorRun::State::countOutside() {
+  if (!plan->engine) makeLineEngine();
   promise_counts = countCommonDirections();
-  bool is_open = may_leave;
+  bool is_open = false;
   std::vector<double> leaked(setup.faceIds().count(), 0);
   for (PairCounts& counts : *promise_counts) {
     for (const PairCount& count : counts) {
@@ -54,23 +84,7 @@ bool FormFactorRun::State::planPromise() {
   for (size_t k = 0; k < leaked.size(); ++k)
     leaked_share = std::max(leaked_share,
                             leaked[k] / setup.faceIds().areas[k] / double(std::max<size_t>(promise_counts->size(), 1)));
-  setup.promise(is_open);
-  try {
-    if (leaked_share > kGrazedPart * tolerance) throw Error(ErrorCode::limit, reasonOfLeak(leaked_share));
-    makeLineGuarantee();
-    const LineGuaranteeFigures& figures = line_guarantee->figures();
-    if (!setup.request().promise && !isWorthPromise(figures.cost, figures.estimate_cost))
-      throw Error(
-          ErrorCode::limit,
-          fmt::format("a promise would cost {:.2g} times as much, {} of CPU time in place of {}",
-                      figures.cost / figures.estimate_cost, inWords(figures.cost), inWords(figures.estimate_cost)));
-  } catch (const Error& error) {
-    takeBackPromise();
-    refusePromise(error.what());
-    return false;
-  }
-  line_guarantee->predictSeconds(finding_seconds);
-  return true;
+  return is_open;
 }
 
 void FormFactorRun::State::takeBackPromise() {

@@ -140,23 +140,30 @@ double FormFactorRun::State::measureLeaks(const PairCounts& counts) const {
 // Returns whether rays may survey what leaves the scene and what leaks.
 bool FormFactorRun::State::maySurvey() const {
   const Ids& ids = setup.faceIds();
-  return !ids.two_sided && ids.counts_environment && ids.count() <= kMostSurveyed && suitsRays(setup.scene());
+  return ids.counts_environment && ids.count() <= kMostSurveyed && suitsRays(setup.scene());
 }
 
-// Finds out from a few lines and rays whether anything leaves the scene, and the largest share of a row that leaks.
-//   In: counts: along pilot directions
-void FormFactorRun::State::surveyOutside(const PairCounts& counts) {
-  leaked_share = measureLeaks(counts);
-  may_leave = shareOutside(counts) > kGrazedOfScene;
+// Finds out from a few rays or directions whether anything leaves the scene, and the largest share of a row that leaks.
+// Rays see small polygons as well as large ones. A guarantee allows for less than rays can see, so that its pilot
+// directions, each with many lines, say more.
+void FormFactorRun::State::surveyOutside() {
+  if (resumed) return;
+  const bool may_survey = maySurvey();
+  if (!may_survey || setup.guarantee()) {
+    makeLineEngine();
+    const PairCounts counts = countDirections(kPilotDirections);
+    leaked_share = measureLeaks(counts);
+    may_leave = shareOutside(counts) > kGrazedOfScene;
+  }
+  if (!may_survey) return;
   const Ids& ids = setup.faceIds();
-  if (resumed || !maySurvey()) return;
   const double at_least = setup.isLarge() ? 0 : kSurveyedAtOne / setup.estimate().tolerance.value_or(1);
   const OutsideShares shares = viewpeel::surveyOutside(
       rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
       setup.request().seed);
   leaked_share = std::max(leaked_share, shares.largest_leak);
   surveyed_leaks = shares.has_leak;
-  may_leave |= shares.largest_environment > 0 || shares.largest_leak > 0;
+  may_leave |= shares.has_outside || shares.largest_environment > 0 || shares.largest_leak > 0;
   refusePromiseOfLeak(shares.largest_leak);
 }
 
@@ -183,14 +190,11 @@ LeakingFaces FormFactorRun::State::findLeakingFaces(uint32_t leak_rays) {
   return {std::move(leaking), leak_rays};
 }
 
-// Makes pair_lines and an engine for common directions, and finds blockers.    Out: why pair lines are not possible,
-// else empty
+// Makes pair_lines and finds blockers, and decides what counts.    Out: why pair lines are not possible, else empty
 std::string FormFactorRun::State::makePairLines() {
   plan.emplace();
   line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
-  makeLineEngine();
-  const PairCounts counts = resumed ? PairCounts() : countDirections(kPilotDirections);
-  surveyOutside(counts);
+  surveyOutside();
   // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
   const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak = leaked_share > least_share && !(setup.leastFormFactor() > 0);
@@ -216,11 +220,10 @@ std::string FormFactorRun::State::makePairLines() {
   const Ids& ids = setup.faceIds();
   const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
                               ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
-                              : takeMixture(counts);
+                              : takeMixture();
   // Rays or common directions that count small pairs count what leaks, too.
   if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty()) make({});
   else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays));
-  ray_engine.reset();  // where only its pilot was cast
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
   return why;
 }
@@ -255,11 +258,11 @@ bool FormFactorRun::State::isAllExact() const {
   return true;
 }
 
-// Plans a few common directions and the lines of each pair: a promise where possible, else an estimate.
+// Plans the lines of each pair, and a few rays or common directions: a promise where possible, else an estimate.
 void FormFactorRun::State::planPairLines() {
   if (const std::string why = makePairLines(); !why.empty()) return planWithoutPairLines(why);
   if (!findLinePairs()) return planWithoutPairLines("too many pairs of polygons see each other");
-  if (!resumed && isAllExact()) plan->directions = 0;
+  if (!resumed && isAllExact()) line_mixture.directions = plan->directions = 0;
   if (setup.isLarge() && setup.plansWhichPairs() && no_promise.empty())
     no_promise = fmt::format("there are more than {} polygons", kMostPairLineFaces);
   if (resumed || !no_promise.empty() || !planPromise()) planEstimateLines();
@@ -267,6 +270,7 @@ void FormFactorRun::State::planPairLines() {
 
 // Plans the lines of each pair for an estimate.    In: line_pairs: from findLinePairs()
 void FormFactorRun::State::planEstimateLines() {
+  if (!resumed && !(line_mixture.least_form_factor > 0)) makeOutsideEngine();
   EstimateOptions options = setup.estimate();
   if (resumed) {
     requireSamePairs(line_pairs, resumed->sums.lines->pairs());
@@ -283,7 +287,7 @@ void FormFactorRun::State::planEstimateLines() {
     // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
     // 1 by as much as all lines of a row err together.
     const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));
-    if (options.rms && rays) {
+    if (options.rms && rms_planner) {
       planRaysForRms();
       *options.rms *= std::sqrt(kLinesOfSquares);
     }
@@ -351,9 +355,8 @@ void FormFactorRun::State::makeLineGuarantee() {
   const EpsilonDelta& goal = *setup.guarantee();
   line_guarantee.emplace(
       setup.scene(), setup.faceIds(), setup.ids(), *pair_lines, line_pairs,
-      LineGuaranteeOptions{
-          goal.epsilon, goal.delta, goal.rows, setup.request().by, setup.leastFormFactor(),
-          plan->directions ? double(kPilotDirections) + double(kFewReplicates) * plan->directions : 0});
+      LineGuaranteeOptions{goal.epsilon, goal.delta, goal.rows, setup.request().by, setup.leastFormFactor(),
+                           double(kFewReplicates) * line_mixture.directions});
 }
 
 void FormFactorRun::State::makePlan() {
@@ -364,6 +367,7 @@ void FormFactorRun::State::makePlan() {
   if (setup.guarantee()) planGuarantee();
   else if (setup.usesPairLines()) planPairLines();
   else planEstimateOfDirections();
+  ray_engine.reset();  // where only its pilot was cast
   summariseRun();
   summary.plan_seconds = secondsSince(*start);
   if (resumed) requireSameSettings(settingsOf(setup, summary), resumed->settings, resumed_file);

@@ -49,6 +49,7 @@ struct FormFactorRun::State {
   std::optional<GuaranteeRun> guarantee_run;
   std::optional<PairLines> pair_lines;
   std::optional<PairSample> pair_sample;
+  std::optional<double> pairs_of_direction;  // of faces, which one pilot direction counts on average
   LineMixture line_mixture{};                // pairs with lines, and directions that count the others
   RayEngine* rays = nullptr;                 // the plan's engine, where it counts along rays
   std::unique_ptr<RayEngine> ray_engine;     // until the plan has it
@@ -121,13 +122,14 @@ struct FormFactorRun::State {
   Plan makePlanOfRequest();
   void makePlan();
   PairCounts countDirections(uint32_t count);
+  double pairsOfDirection();
   double measureLeaks(const PairCounts& counts) const;
-  void surveyOutside(const PairCounts& counts);
+  void surveyOutside();
   bool maySurvey() const;
   uint32_t leakRays() const;
   LeakingFaces findLeakingFaces(uint32_t leak_rays);
   std::string makePairLines();
-  std::string takeMixture(const PairCounts& counts);
+  std::string takeMixture();
   bool mayHaveRays() const;
   bool mayPromise() const;
   double pilotRays() const;
@@ -137,11 +139,12 @@ struct FormFactorRun::State {
   bool takeRays(const PairNumbers& numbers);
   bool takeRaysForRms();
   void planRaysForRms();
-  std::string takeTimedTolerance(const PairCounts& counts);
+  std::string takeTimedTolerance();
   void countAlongRays(LineMixture mixture);
   void useRays(std::unique_ptr<RayEngine> engine);
   bool fitMixture(LineMixture mixture, LineWork& work);
   void makeLineEngine();
+  void makeOutsideEngine();
   void planPairLines();
   void planEstimateLines();
   void planEstimateOfDirections();
@@ -153,6 +156,7 @@ struct FormFactorRun::State {
   bool planLineGuarantee();
   void makeLineGuarantee();
   bool planPromise();
+  bool countOutside();
   void refusePromise(const std::string& why);
   void refusePromiseOfLeak(double leak);
   void takeBackPromise();

@@ -36,8 +36,8 @@ EstimateOptions FormFactorRun::State::estimateOptions() {
   return options;
 }
 
-// Counts along common directions, for environment and leak.    Out: by replicate; counts of pairs are kept only where
-// some pairs get no lines
+// Counts along common directions, for environment and leak of a guarantee.
+//   Out: by replicate; counts of pairs are kept only where some pairs get no lines
 std::vector<PairCounts> FormFactorRun::State::countCommonDirections() const {
   std::vector<PairCounts> all;
   for (uint64_t replicate = 0; plan->directions && replicate < kFewReplicates; ++replicate) {

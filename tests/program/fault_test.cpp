@@ -121,18 +121,18 @@ TEST_F(Fault, LostDeviceKeepsTheCheckpoint) {
     expectOneLine(run(kComputeOffice + planned, withFault("lost:8")), 1, {"the device was lost"});
 }
 
-// The device is lost while it draws pair lines, or has less and less memory. The engine for common directions takes
-// some of the memory. Where none is left for pair lines, the processor draws them, to the same bytes.
+// The device is lost while it draws pair lines, or has less and less memory. Where it has none for pair lines, the
+// processor draws them, to the same bytes.
 TEST_F(Fault, PairLinesOutliveTheDevice) {
   const std::string street =
       "compute " VIEWPEEL_SCENES
-      "/street.obj --quiet --tolerance 2e-2 --sampling lattice --pair-lines on --engine compute -o " +
-      file("a.csv");
+      "/street.obj --quiet --tolerance 2e-2 --seconds 1000 --pair-lines on --engine compute -o " +
+      file("a.csv");  // with a time limit the first replicate is drawn, and saved, before the others
   ASSERT_EQ(run(street, withFault("")).status, 0);
   const std::string whole = readFile(file("a.csv"));
   const std::string kept = street + " --checkpoint-seconds 0 --checkpoint " + file("a.h5");
   uint64_t most = 0;
-  for (int submission : {8, 20, 26}) {
+  for (int submission : {4, 8, 11}) {
     fs::remove(file("a.csv"));
     expectOneLine(run(kept, withFault(fmt::format("lost:{}", submission))), 1, {"the device was lost"});
     most = std::max(most, replicateCountOf("a.h5"));
@@ -141,20 +141,17 @@ TEST_F(Fault, PairLinesOutliveTheDevice) {
     fs::remove(file("a.h5"));
   }
   EXPECT_GE(most, 1u);
-  int drawn = 0;
-  for (const int kib : {65536, 34304, 33792}) {
+  for (const int kib : {4096, 1024, 256, 1}) {
     fs::remove(file("a.csv"));
-    if (run(street, withFault(fmt::format("space:{}", kib))).status != 0) continue;
+    ASSERT_EQ(run(street, withFault(fmt::format("space:{}", kib))).status, 0) << kib;
     EXPECT_TRUE(readFile(file("a.csv")) == whole) << kib;
-    ++drawn;
   }
-  EXPECT_GE(drawn, 2);
 }
 
 TEST_F(Fault, LackOfDeviceMemoryIsAClearError) {
   for (const std::string planned :
-       {"--directions 50 --engine compute", "--tolerance 1e-3 --engine compute", "--epsilon 0.1 --engine compute",
-        "--unoccluded on --engine compute", "--engine graphics --directions 20"})
+       {"--directions 50 --engine compute", "--tolerance 1e-3 --pair-lines off --engine compute",
+        "--epsilon 0.1 --engine compute", "--unoccluded on --engine compute", "--engine graphics --directions 20"})
     for (int allocation : {1, 12})
       expectOneLine(run(kComputeOffice + planned, withFault(fmt::format("memory:{}", allocation))), 1,
                     {"cannot allocate", "try a smaller"});

@@ -28,20 +28,26 @@ TEST_F(Program, PlansSayWhatARunTakes) {
   EXPECT_EQ(run(plates + "--tolerance 0.1").output.find("takes about"), std::string::npos);
 }
 
-// Where nothing can block, and rows add up to 1, neither a promise nor an estimate takes lines or directions. In an
-// open scene directions see what leaves it.
+// Where nothing can block, and rows add up to 1, neither a promise nor an estimate takes lines, directions or rays. In
+// an open scene directions of a promise see what leaves it, and rays of an estimate.
 TEST_F(Program, WhatGeometryGivesTakesNoDirections) {
   const std::string cube = "compute " VIEWPEEL_SCENES "/cube.obj ", plates = "compute " VIEWPEEL_SCENES "/plates.obj ",
                     none = "no lines or directions: geometry gives every form factor";
-  for (const char* options : {"", "--promise off", "--epsilon 1e-3", "--by surface", "--from x0"}) {
+  const std::vector<std::pair<std::string, std::string>> sees_outside = {
+      {"", ", 256 directions"},
+      {"--promise off", ", each with up to 32 rays of a polygon"},
+      {"--epsilon 1e-3", ", 256 directions"},
+      {"--by surface", ", 256 directions"},
+      {"--from x0", ", 256 directions"}};
+  for (const auto& [options, what] : sees_outside) {
     const Result r = run(cube + options);
     ASSERT_EQ(r.status, 0) << r.output;
     EXPECT_NE(r.output.find(none), std::string::npos) << options << r.output;
     EXPECT_NE(r.output.find(", 0 directions"), std::string::npos) << options << r.output;
     EXPECT_NE(r.output.find("outside    0 % of all"), std::string::npos) << options << r.output;
-    const Result open = run(plates + (std::string(options) == "--from x0" ? "--from lower" : options));
+    const Result open = run(plates + (options == "--from x0" ? "--from lower" : options));
     EXPECT_EQ(open.output.find(none), std::string::npos) << options << open.output;
-    EXPECT_NE(open.output.find(", 256 directions"), std::string::npos) << options << open.output;
+    EXPECT_NE(open.output.find(what), std::string::npos) << options << open.output;
   }
   // Without one of its walls the cube is open, and with a wall that looks outside it leaks.
   std::string walls = readFile(VIEWPEEL_SCENES "/cube.obj");

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <glm/vec3.hpp>
@@ -48,6 +49,7 @@ TEST(SurveyOutside, FindsNothingInClosedScenes) {
   for (const InputScene& input : {ts::insideOfCube(), ts::cubeInCube(0.4), ts::roomWithTouchingBoxes()}) {
     EXPECT_EQ(survey(input).largest_environment, 0) << input.file;
     EXPECT_EQ(survey(input).largest_leak, 0) << input.file;
+    EXPECT_FALSE(survey(input).has_outside) << input.file;
   }
 }
 
@@ -74,6 +76,54 @@ TEST(SurveyOutside, OfManyLeakingRowsFindsTheLargestShare) {
   const double largest = reference::parallelRectangles({0, kSize}, {0, kSize}, {0, kSize}, {0, kSize}, kNear);
   const double error_of_1024 = std::sqrt(largest * (1 - largest) / 1024);
   EXPECT_NEAR(survey(input).largest_leak, largest, 6 * error_of_1024);
+}
+
+constexpr uint32_t kTilesOfWall = 16;
+
+// Returns a cube of 16 x 16 tiles a wall, seen from inside. One tile is missing, a hole of 1 / 1,536 of the area.
+InputScene cubeWithHole() {
+  InputScene input = ts::insideOfCube();
+  const std::vector<InputFace> walls = std::exchange(input.faces, {});
+  for (const InputFace& wall : walls) {
+    const glm::dvec3 corner = wall.corners[0], right = (wall.corners[1] - corner) / double(kTilesOfWall),
+                     up = (wall.corners[3] - corner) / double(kTilesOfWall);
+    for (uint32_t k = 0; k < kTilesOfWall * kTilesOfWall; ++k)
+      input.faces.push_back(
+          {ts::parallelogram(corner + double(k % kTilesOfWall) * right + double(k / kTilesOfWall) * up, right, up),
+           wall.surface});
+  }
+  input.faces.erase(input.faces.begin() + kTilesOfWall * kTilesOfWall / 2 + kTilesOfWall / 2);
+  return input;
+}
+
+// A tile sends 0.05 of its 64 rays through the hole on average, so that no tile has three, but all have about 60.
+TEST(SurveyOutside, FindsASmallOpening) {
+  const OutsideShares shares = survey(cubeWithHole());
+  EXPECT_EQ(shares.largest_environment, 0);
+  EXPECT_TRUE(shares.has_outside);
+}
+
+// Where all pairs have lines, rays find that the scene is open. Nothing blocks a pair here, so that each row's
+// environment is exact. By reciprocity all rows together send as much through the hole as it would send to them.
+TEST(SurveyOutside, RaysSeeWhatLeavesBesideLinesOfAllPairs) {
+  const Scene scene = buildScene(cubeWithHole());
+  Request request;
+  request.by = By::polygon, request.pair_lines = true, request.promise = false;
+  request.goal = Tolerance{1e-2};
+  const Result result = computeFormFactors(scene, request);
+  ASSERT_TRUE(result.plan.pair_lines);
+  EXPECT_EQ(result.plan.pair_lines->least_form_factor, 0);
+  EXPECT_TRUE(result.plan.pair_lines->has_rays);
+  EXPECT_EQ(result.directions, 32 * result.replicates);
+  EXPECT_EQ(result.unmet_bound, INFINITY);  // no pair is left to the rays
+  const FormFactors& found = result.form_factors;
+  double through_hole = 0;
+  for (uint32_t i = 0; i < found.ids().count(); ++i) {
+    through_hole += found.exchangeArea(i, kEnvironment).value;
+    EXPECT_EQ(found.formFactor(i, kLeak).value, 0) << i;
+    EXPECT_NEAR(found.rowSums()[i].value, 1, 1e-6) << i;  // tiles beside the hole do not see it
+  }
+  EXPECT_NEAR(through_hole, 1.0 / (kTilesOfWall * kTilesOfWall), 1e-6);
 }
 
 // No line of a common direction meets these squares. Rows still add up to 1, by the environment that is left.
