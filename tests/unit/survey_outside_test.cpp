@@ -105,6 +105,7 @@ TEST(SurveyOutside, FindsASmallOpening) {
 
 // Where all pairs have lines, rays find that the scene is open. Nothing blocks a pair here, so that each row's
 // environment is exact. By reciprocity all rows together send as much through the hole as it would send to them.
+//   Error: unoccluded form factors of a row err by less than 1e-6 (docs/method.md, section 11)
 TEST(SurveyOutside, RaysSeeWhatLeavesBesideLinesOfAllPairs) {
   const Scene scene = buildScene(cubeWithHole());
   Request request;
