@@ -122,20 +122,17 @@ std::string describePairLines(const PairLinesSummary& lines, const PlanSummary& 
         fmt::format("; {} may be blocked in part and get {} of their own, against {}", counted(lines.partial, "pair"),
                     counted(lines.lines, "line"), counted(lines.blockers, "blocker"));
   text += fmt::format(" (found in {})\n", inWords(lines.seconds));
-  if (lines.least_form_factor > 0)
+  const bool counts_pairs = lines.least_form_factor > 0;
+  const char* others = counts_pairs ? "the other pairs, " : "";
+  if (counts_pairs)
     text += fmt::format("           all other pairs have form factors below {:.2g}, from the smaller polygon\n",
                         lines.least_form_factor);
   if (lines.has_rays)
-    text += lines.least_form_factor > 0
-                ? fmt::format(
-                      "sampling   up to {} of each polygon a replicate, for the other pairs, environment and leak; ",
-                      counted(plan.directions, "ray"))
-                : fmt::format("sampling   {} of each polygon a replicate, for environment and leak; ",
-                              counted(plan.directions, "ray"));
+    text += fmt::format("sampling   {}{} of each polygon a replicate, for {}environment and leak; ",
+                        counts_pairs ? "up to " : "", counted(plan.directions, "ray"), others);
   else if (plan.directions)
     text += fmt::format("sampling   {} a replicate, {}, for {}environment and leak; {}; ",
-                        counted(plan.directions, "direction"), plan.sampler,
-                        lines.least_form_factor > 0 ? "the other pairs, " : "", describeLattices(plan));
+                        counted(plan.directions, "direction"), plan.sampler, others, describeLattices(plan));
   else text += lines.partial ? "sampling   " : fmt::format("sampling   {}; ", kAllExact);
   return text + fmt::format("seed {}\n", seed);
 }

@@ -31,7 +31,7 @@ struct LineMixture {
   double least_form_factor = 0;              // of pairs with lines, unoccluded, from the smaller face; 0: all pairs
   uint32_t directions = kLineRunDirections;  // of a replicate; with rays, the most rays of a polygon
   int resolution = 0;                        // of common directions; 0: that of a run in which all pairs have lines
-  std::vector<uint32_t> rays{};              // of each face in a replicate, which count the other pairs; or none
+  std::vector<uint32_t> rays{};              // of each face in a replicate, in place of common directions; or none
 
   bool hasRays() const { return !rays.empty(); }
   bool countsAll() const { return least_form_factor >= kAllCounted; }

@@ -192,7 +192,8 @@ std::vector<Direction> LineRun::directionsOf(uint64_t replicate, size_t replicat
 std::vector<PairCounts> LineRun::countReplicates(uint64_t replicate, size_t replicates) const {
   const std::vector<Direction> directions = directionsOf(replicate, replicates);
   if (options_.rays && !hasCountedPairs())
-    return options_.rays->countOutside(directions, options_.directions, sums_.lines->ids());
+    return options_.rays->countOutside(directions, options_.directions,
+                                       blocksOfRequested(sums_.lines->ids(), replicates));
   // Threads share the directions in count(), but may share the blocks in countBlocks().
   return replicates == 1 ? std::vector<PairCounts>{engine_.count(directions)}
                          : engine_.countBlocks(directions, options_.directions);

@@ -28,13 +28,6 @@ RowShares castFrom(RayEngine& engine, const Scene& scene, const Ids& ids, const 
   return shares;
 }
 
-// Returns 1 for requested rows, else 0.
-std::vector<uint32_t> requestedRows(const Ids& ids) {
-  std::vector<uint32_t> casts(ids.count());
-  for (uint32_t id = 0; id < ids.count(); ++id) casts[id] = ids.isRequested(id) ? 1 : 0;
-  return casts;
-}
-
 std::vector<bool> isAbove0(const std::vector<double>& shares) {
   std::vector<bool> is_above(shares.size());
   for (size_t k = 0; k < shares.size(); ++k) is_above[k] = shares[k] > 0;
@@ -82,7 +75,7 @@ bool hasOutside(const RowShares& shares, const std::vector<uint32_t>& casts, uin
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
   constexpr uint32_t kFurtherRays = 1024;
   constexpr size_t kMostFurtherRows = 512;
-  const std::vector<uint32_t> casts = requestedRows(ids);
+  const std::vector<uint32_t> casts = blocksOfRequested(ids, 1);
   const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
   OutsideShares shares{.largest_environment = largestSure(first.environment, rays),
                        .has_outside = hasOutside(first, casts, rays),
@@ -95,7 +88,7 @@ OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& id
 }
 
 std::vector<bool> findLeakingRows(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
-  return isAbove0(castFrom(engine, scene, ids, requestedRows(ids), rays, seed, kRayReplicates.end - 3).leak);
+  return isAbove0(castFrom(engine, scene, ids, blocksOfRequested(ids, 1), rays, seed, kRayReplicates.end - 3).leak);
 }
 
 }  // namespace viewpeel

@@ -88,7 +88,7 @@ class PairFinder {
   //   Cost: a fraction of a microsecond a pair, and its unoccluded form factor; next to nothing for distant clusters
   //   below the least form factor. Tests: tests/unit/pair_lines_test.cpp.
   PatchPairs find(size_t threads, const std::function<void()>& stop = {}, double least_form_factor = 0) const;
-  // Finds the pairs among these that find() would find, too.
+  // Finds each of the given pairs that find() would also find.
   //   In: pairs: of indices of patches
   //   Error: find() may hide a row of patches behind a curtain that is not found for each of its pairs.
   //   Cost: on one thread 6 microseconds for each of 2,500 pairs against 190 blockers, 40 for each of 1,000 against

@@ -366,12 +366,11 @@ uint32_t RayEngine::usualRays(double at_least) {
   return rays >= 4 * kLeastRays && rays / 4 * 3 >= at_least ? rays / 4 * 3 : rays;
 }
 
-std::vector<PairCounts> RayEngine::countOutside(std::span<const Direction> directions, size_t block_directions,
-                                                const Ids& ids) {
-  std::vector<uint32_t> blocks(ids.count());
+std::vector<uint32_t> blocksOfRequested(const Ids& ids, size_t blocks) {
+  std::vector<uint32_t> of_ids(ids.count());
   for (uint32_t id = 0; id < ids.count(); ++id)
-    if (ids.isRequested(id)) blocks[id] = static_cast<uint32_t>(directions.size() / block_directions);
-  return countOutside(directions, block_directions, blocks);
+    if (ids.isRequested(id)) of_ids[id] = static_cast<uint32_t>(blocks);
+  return of_ids;
 }
 
 std::unique_ptr<RayEngine> makeRayEngine(const Scene& scene, const Ids& ids, const LatticeOptions& options) {

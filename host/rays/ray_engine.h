@@ -47,9 +47,11 @@ class RayEngine : public Engine {
   //   In: blocks: uint32_t[ids], in how many of the first blocks polygons of an id have rays
   virtual std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions,
                                                const std::vector<uint32_t>& blocks) = 0;
-  // The same from requested rows alone, which have rays in all blocks.
-  std::vector<PairCounts> countOutside(std::span<const Direction> directions, size_t block_directions, const Ids& ids);
 };
+
+// Returns the argument `blocks` of countOutside() with which requested rows have rays in this number of blocks, and
+// other rows have none.
+std::vector<uint32_t> blocksOfRequested(const Ids& ids, size_t blocks);
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says
 // otherwise; N is even where polygons are two-sided. The directions themselves are seeds alone: the same ones give the

@@ -33,8 +33,8 @@ uint32_t FormFactorRun::State::commonDirections() const {
       std::clamp(std::ceil(all / kFewReplicates), double(kLineRunDirections), kMostDirections));
 }
 
-// Makes the engine of the mixture's rays, or of its common directions. Where these count pairs, small polygons have
-// windows of their own.
+// Makes the engine of the mixture's rays, or of its common directions. Where common directions count pairs, small
+// polygons have windows of their own.
 void FormFactorRun::State::makeLineEngine() {
   Lattices lattices = setup.lattices();
   int& resolution = lattices.lattice.resolution;

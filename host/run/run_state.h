@@ -50,7 +50,7 @@ struct FormFactorRun::State {
   std::optional<PairLines> pair_lines;
   std::optional<PairSample> pair_sample;
   std::optional<double> pairs_of_direction;  // of faces, which one pilot direction counts on average
-  LineMixture line_mixture{};                // pairs with lines, and directions that count the others
+  LineMixture line_mixture{};                // pairs with lines, and what counts the others
   RayEngine* rays = nullptr;                 // the plan's engine, where it counts along rays
   std::unique_ptr<RayEngine> ray_engine;     // until the plan has it
   std::optional<RayPlanner> ray_planner;     // of ray_engine

@@ -105,7 +105,7 @@ struct PairLinesSummary {
   // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions or by rays.
   // With 1 all pairs are: between surfaces, where rays take less time than finding the pairs.
   double least_form_factor = 0;
-  // Whether rays of each polygon's own count them, and see what leaves the scene. PlanSummary::directions then is the
+  // Whether rays of each polygon count such pairs, and see what leaves the scene. PlanSummary::directions then is the
   // largest number of rays of a polygon in a replicate, and Estimate::directions that times the replicates. Where rays
   // count pairs, only polygons whose environment or leak misses the goal have some after the planned replicates.
   bool has_rays = false;
