@@ -99,7 +99,7 @@ double LineRun::secondsOfNext() const {
 
 bool LineRun::isDone() const {
   const uint64_t done = sums_.replicateCount();
-  if (done >= 2 && done > resumed_count_ && secondsOfNext() > secondsLeft()) return true;
+  if (options_.seconds && done >= 2 && done > resumed_count_ && secondsOfNext() > secondsLeft()) return true;
   // Where the time is the goal, counted pairs, environment and leak gain from each further replicate.
   const bool goes_on = options_.is_timed && hasCountedPairs() && mayGoOn();
   return done >= options_.replicates && (options_.is_exact || (!is_further_ && !goes_on));

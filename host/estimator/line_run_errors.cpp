@@ -21,7 +21,9 @@ namespace {
 
 using Key = std::pair<uint32_t, uint32_t>;
 
-constexpr double kSpare = 1.2;       // lines drawn, over the lines that an error asks for
+// Lines drawn, over the lines that an error asks for: in the first further replicate, and in later ones. These have few
+// lines, and take less time to draw them than to measure all errors once more.
+constexpr double kSpare = 1.2, kLaterSpare = 2;
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
 // Before errors are measured again, a row gets rays in at most this number of further replicates.
@@ -222,12 +224,13 @@ void LineRun::planFurther(const std::vector<double>& excess, double relief) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();
   further_.assign(excess.size(), 0);
   is_reached_ = std::ranges::none_of(excess, [](double of_pair) { return of_pair > 1; });
+  const double spare = sums_.replicateCount() > options_.replicates ? kLaterSpare : kSpare;
   bool is_wanting = false;
   for (size_t k = 0; k < further_.size(); ++k) {
     if (!(excess[k] > relief) || pairs[k].blocks == 0) continue;
     // The number of lines is proportional to the error to the power of -8/5. kMostGrowth limits it, because an error
     // from few lines is rough.
-    const double lines = std::min(kSpare * std::pow(excess[k] / relief, 8.0 / 5), kMostGrowth) - 1,
+    const double lines = std::min(spare * std::pow(excess[k] / relief, 8.0 / 5), kMostGrowth) - 1,
                  times = lines * double(sums_.lines->sumOf(k).blocks) / pairs[k].blocks;
     further_[k] = static_cast<uint32_t>(std::clamp(std::ceil(times), 1.0, kMostTimes));
     is_wanting = true;
@@ -249,8 +252,9 @@ void LineRun::planFurtherInTime(const std::vector<double>& excess) {
   constexpr double kLeastPart = 0.1;  // of the time so far: a shorter replicate would improve little
   constexpr int kHalvings = 8;
   planFurther(excess, 1);
+  if (!is_further_ || !options_.seconds) return;
   const double left = secondsLeft(), most = left / 2;
-  if (!is_further_ || secondsOfNext() <= (options_.is_timed ? most : left)) return;
+  if (secondsOfNext() <= (options_.is_timed ? most : left)) return;
   double fitting = std::ranges::max(excess), not_fitting = 1;  // reliefs: with the first one no pair gets lines
   for (int k = 0; k < kHalvings && most > kLeastPart * secondsSince(start_); ++k) {
     const double middle = std::sqrt(fitting * not_fitting);

@@ -19,7 +19,7 @@ constexpr double kChanceDegrees = 5;
 // Returns a b / 2^8, with both rounded down to multiples of 2^4; see PairSum.
 uint64_t squareUnits(uint64_t a, uint64_t b) { return (a >> 4) * (b >> 4); }
 
-constexpr size_t kChunk = 1 << 16;  // pairs that a thread takes at once
+constexpr size_t kChunk = 1 << 12;  // pairs that a thread takes at once
 
 // Returns the part of a pair's unoccluded exchange area that something may block.
 double blockable(const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); }
