@@ -113,12 +113,7 @@ double LineRun::furtherLines() const {
   return lines;
 }
 
-// Returns how many of the planned replicates have their lines and rays drawn at once: few where there are many lines or
-// rays, for meanwhile a run can neither end nor be saved. Where there is a time limit, the first replicate tells how
-// many more fit.
-size_t LineRun::replicatesAhead() const {
-  const uint64_t done = sums_.replicateCount();
-  if (done >= options_.replicates || (options_.seconds && done == resumed_count_)) return 1;
+double LineRun::mostAhead() const {
   double lines = 0, counts = 0;
   for (const LinePair& pair : sums_.lines->pairs()) {
     lines += pair.linesIn(1);
@@ -128,8 +123,17 @@ size_t LineRun::replicatesAhead() const {
   if (options_.rays)
     most = std::min({most, kMostRaysAhead / options_.rays->raysOfReplicate(options_.directions),
                      double(kMostDirectionsTogether) / options_.directions});
+  return std::max(most, 1.0);
+}
+
+// Returns how many of the planned replicates are drawn at once next. Where there is a time limit, the first replicate
+// tells how many more fit.
+size_t LineRun::replicatesAhead() const {
+  const uint64_t done = sums_.replicateCount();
+  if (done >= options_.replicates || (options_.seconds && done == resumed_count_)) return 1;
+  double most = mostAhead();
   if (options_.seconds) most = std::min(most, secondsLeft() / secondsOfNext());
-  return std::clamp<size_t>(static_cast<size_t>(most), 1, options_.replicates - done);
+  return static_cast<size_t>(std::clamp(most, 1.0, double(options_.replicates - done)));
 }
 
 void LineRun::step() {

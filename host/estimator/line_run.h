@@ -37,6 +37,12 @@ class LineRun {
   double largestStandardError() const { return largest_error_; }
   Estimate estimate() const;
 
+  // Returns how many planned replicates may have their lines and rays drawn at once: few where there are many lines or
+  // rays, for meanwhile a run can neither end nor be saved.
+  double mostAhead() const;
+  // Returns whether lines of further replicates have been drawn with those of the last one.
+  bool hasDrawnAhead() const { return !ahead_.empty(); }
+
  private:
   // Ahead is what has been drawn of a replicate before it is added.
   struct Ahead {

@@ -1,5 +1,6 @@
 // measureSeconds() predicts the time of a run from trials of its parts.
 #include <algorithm>
+#include <cmath>
 
 #include "directions/replicates.h"
 #include "estimator/promise_cost.h"
@@ -11,29 +12,40 @@ namespace viewpeel {
 namespace {
 
 constexpr double kTrialSeconds = 0.5;  // least time of a trial of directions
-// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned: about four
+// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned: about three
 // in the scenes of docs/speed.md.
-constexpr double kFurtherReplicates = 4;
+constexpr double kFurtherReplicates = 3;
 
 }  // namespace
 
-// Times two replicates of lines. The second one also has the comparison with the goal. A run compares after each
-// replicate from the planned number on, and once more for the result.
+// Times three replicates: the lines of the first alone, and of the others at once where a run draws them so. What
+// replicates have in common, such as making a pair ready, then takes its time once. The last one also has the
+// comparison with the goal. A run compares after each replicate from the planned number on, and once more for the
+// result.
 double FormFactorRun::State::measureLineSeconds() {
   EstimateOptions options = estimateOptions();
   const double replicates = options.replicates;
-  options.replicates = 2;
+  options.replicates = 3;
+  options.seconds = INFINITY;  // with a time limit a run begins with one replicate alone
   options.first_replicate = kTrialReplicates.first;
   options.resumed = nullptr;
   LineRun trial(*plan->engine, setup.scene(), setup.faceIds(), *pair_lines, line_pairs, line_mixture.least_form_factor,
                 options);
-  auto begun = Clock::now();
-  trial.step();
-  const double step = secondsSince(begun);
-  begun = Clock::now();
-  trial.step();
-  const double comparing = std::max(0.0, secondsSince(begun) - step);
-  return replicates * step * kLinesOverPlan + (kFurtherReplicates + 2) * comparing;
+  const auto secondsOfStep = [&] {
+    const auto begun = Clock::now();
+    trial.step();
+    return secondsSince(begun);
+  };
+  const double alone = secondsOfStep(), next = secondsOfStep();
+  const bool are_ahead = trial.hasDrawnAhead();
+  const double last = secondsOfStep();
+  if (!are_ahead) return replicates * next * kLinesOverPlan + (kFurtherReplicates + 2) * std::max(0.0, last - next);
+  // Common directions are counted in each replicate, and rays ahead. They take longer than the comparison.
+  const double of_directions = plan->directions > 0 && !line_mixture.hasRays() ? last : 0,
+               of_lines = std::max(0.0, next - alone), in_common = std::max(0.0, alone - of_lines - of_directions),
+               batches = std::ceil(replicates / trial.mostAhead());
+  return (batches * in_common + replicates * of_lines) * kLinesOverPlan + replicates * of_directions +
+         (kFurtherReplicates + 2) * last;
 }
 
 // Times a few directions, and then as many as kTrialSeconds have room for. Returns the seconds of a direction.
