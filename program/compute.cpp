@@ -56,11 +56,13 @@ void warnOfGoal(const Request& request, const Result& result) {
                     request.relative_floor, *relative));
 }
 
-// Prints on stderr that time was up before the goal was reached. Returns the exit status.
-int reportMissedGoal(const Result& result) {
-  complain(fmt::format(
-      "the goal was not reached in time: largest standard error {:.1e}; give more --seconds, or a coarser goal",
-      result.largest_standard_error));
+// Prints on stderr that the run ended before its goal: its time was up, or more replicates would not help. Returns the
+// exit status.
+int reportMissedGoal(const Request& request, const Result& result) {
+  const bool has_limit = request.time_limit_s.has_value();
+  complain(fmt::format("the goal was not reached{}: largest standard error {:.1e}; give {}a coarser goal",
+                       has_limit ? " in time" : fmt::format(" in {} replicates", result.replicates),
+                       result.largest_standard_error, has_limit ? "more --seconds, or " : ""));
   return kGoalMissed;
 }
 
@@ -150,7 +152,7 @@ int conclude(const ComputeOptions& options, const Result& result, const FormFact
   warnOfGoal(options.request, result);
   const int status = result.interrupted     ? reportInterruption(options, result.replicates)
                      : !is_kept             ? kFailed
-                     : !result.goal_reached ? reportMissedGoal(result)
+                     : !result.goal_reached ? reportMissedGoal(options.request, result)
                                             : 0;
   if (result.interrupted && result.replicates < 2) return status;
   for (const std::string& warning : result.warnings) warn(warning);

@@ -73,7 +73,9 @@ constexpr Row kStatuses[] = {
     {"0", "Done."},
     {"1", "Failed: a device, memory, an output at the end, or check found a difference."},
     {"2", "Wrong usage or input; one line on standard error says what and where."},
-    {"3", "The goal was not reached before --seconds were over; the results so far are written."},
+    {"3",
+     "The goal was not reached before --seconds were over, or in many times the planned replicates; the results so far "
+     "are written."},
     {"129, 130, 143", "Stopped by SIGHUP, SIGINT, SIGTERM; the results so far are written."},
 };
 

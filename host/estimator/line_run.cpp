@@ -74,7 +74,7 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
       options_(std::move(options)),
       count_area_(options_.directions ? engine.unitArea() * scene.scale * scene.scale / options_.directions : 0),
       sums_(lineSumsToBeginWith(scene, face_ids, std::move(pairs), least_form_factor, lines.leakingFaces(), options_)),
-      errors_in_goal_((options_.by == By::polygon ? sums_.by_id : sums_.by_surface).ids().count()) {
+      errors_in_goal_(sumsOfRows().ids().count()) {
   if (options_.replicates < 2) throw Error(ErrorCode::bad_usage, "a standard error needs at least 2 replicates");
   if (options_.resumed) {
     sums_.add(*options_.resumed);
@@ -85,7 +85,8 @@ LineRun::LineRun(Engine& engine, const Scene& scene, const Ids& face_ids, PairLi
 
 // Returns whether there may be replicates beyond the planned ones.
 bool LineRun::mayGoOn() const {
-  const uint64_t growth = hasFurtherRays() || options_.is_timed ? kLargeReplicateGrowth : kMostReplicateGrowth;
+  const bool casts_rays = hasFurtherRays() && (hasCountedPairs() || needs_directions_);
+  const uint64_t growth = casts_rays || options_.is_timed ? kLargeReplicateGrowth : kMostReplicateGrowth;
   return sums_.replicateCount() < growth * options_.replicates;
 }
 
@@ -93,8 +94,8 @@ bool LineRun::mayGoOn() const {
 double LineRun::secondsOfNext() const {
   const uint64_t done = sums_.replicateCount();
   const double mean = secondsSince(start_) / std::max(double(done - resumed_count_), 1.0);
-  return is_further_ && !needs_directions_ ? mean * furtherLines() / (double(sums_.lines->lineCount()) / double(done))
-                                           : mean;
+  if (!is_further_ || (hasCountedPairs() && needs_directions_)) return mean;
+  return mean * furtherLines() / std::max(double(sums_.lines->lineCount()) / double(done), 1.0);
 }
 
 bool LineRun::isDone() const {
@@ -173,9 +174,12 @@ void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
   std::vector<PairCounts> counts;
   for (uint32_t first = 0; first < most; first += together) {
     const uint32_t count = std::min(together, most - first);
+    const std::vector<uint32_t>& surface = sums_.by_id.ids().surface;
     std::vector<uint32_t> blocks;
-    for (const uint32_t replicates : further_rays_)
+    for (uint32_t face = 0; face < sums_.by_id.ids().count(); ++face) {
+      const uint32_t replicates = further_rays_[options_.by == By::polygon ? face : surface[face]];
       blocks.push_back(std::clamp(replicates, first, first + count) - first);
+    }
     std::ranges::move(options_.rays->countOutside(directionsOf(replicate + first, count), options_.directions, blocks),
                       std::back_inserter(counts));
   }

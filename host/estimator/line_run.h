@@ -54,7 +54,10 @@ class LineRun {
   void planFurtherForRms(double of_lines, double of_counts);
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
-  std::vector<double> findRowExcess(const FormFactors& all) const;
+  std::vector<bool> findLeaksByLines() const;
+  void planFurtherRays(uint32_t row, double excess);
+  void planFurtherRaysOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines);
+  std::vector<double> findRowExcess(const FormFactors& all, const std::vector<bool>& leak_by_lines) const;
   std::vector<double> findRowExcessOfLines() const;
   Wanting findWanting(const FormFactors& all) const;
   Wanting findWantingBetweenSurfaces(const FormFactors& all);
@@ -67,11 +70,12 @@ class LineRun {
   double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
-  // In a mixture only the environment and the leak of rows that miss the goal get rays after the planned replicates.
-  // Where the goal is about all errors, all of them do.
+  // Only rows whose environment or leak, by rays, misses the goal get rays after the planned replicates. All rows do
+  // where the goal is about all errors, and where rays count pairs between surfaces.
   bool hasFurtherRays() const {
-    return options_.rays && hasCountedPairs() && options_.by == By::polygon && !options_.rms;
+    return options_.rays && !options_.rms && (options_.by == By::polygon || !hasCountedPairs());
   }
+  const ReplicateSums& sumsOfRows() const { return options_.by == By::polygon ? sums_.by_id : sums_.by_surface; }
   std::vector<Direction> directionsOf(uint64_t replicate, size_t replicates) const;
   std::vector<PairCounts> countReplicates(uint64_t replicate, size_t replicates) const;
   void drawAhead(uint64_t replicate);
@@ -88,10 +92,11 @@ class LineRun {
   bool is_further_ = false;  // whether the next replicate is a further one, for the planned ones miss the goal
   // further_[k] is how many times pair k draws its planned lines in that replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
-  std::deque<Ahead> ahead_;             // the next replicates
-  std::vector<uint32_t> further_rays_;  // by row, in how many of the next replicates it has rays, where there are rays
-  bool needs_directions_ = false;       // whether counts of common directions err by more than the goal allows
-  bool is_reached_ = false;             // whether all pairs have the lines, and the directions, that their goal needs
+  std::deque<Ahead> ahead_;  // the next replicates
+  // By row of the result, in how many of the next replicates it has rays, where there are rays.
+  std::vector<uint32_t> further_rays_;
+  bool needs_directions_ = false;  // whether counts along directions or rays err by more than the goal allows
+  bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs
   uint64_t resumed_count_ = 0;
   Clock::time_point start_ = Clock::now();
 };

@@ -34,24 +34,29 @@ constexpr double kMostFurtherRays = 16;
 // Returns an entry's error over the error that the goals allow.
 double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
-               margin = entry.j >= kEnvironment && hasFurtherRays() ? kRayMargin : 1,
+               margin = entry.j >= kEnvironment && hasCountedPairs() && hasFurtherRays() ? kRayMargin : 1,
                error = margin * errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
   return error / (options_.allowedError(entry.exchange_area.value / area) * area);
 }
 
-// Returns the error of each row's environment over the error that the goals allow; 0 where the row has none. A row's
-// environment is 1 less its pairs, so their variances add up.
-std::vector<double> LineRun::findRowExcess(const FormFactors& all) const {
-  const Ids& ids = all.ids();
-  std::vector<double> variances(ids.count()), excess(ids.count());
-  // Where common directions count a row's leak, lines of pairs cannot improve it.
-  std::vector<bool> has_leak(ids.count());
+// Returns by row whether lines, and not common directions or rays, say what ends on backs.
+std::vector<bool> LineRun::findLeaksByLines() const {
+  std::vector<bool> by_lines(sumsOfRows().ids().count());
   for (size_t k = 0; k < sums_.lines->pairs().size(); ++k)
     if (sums_.lines->hasBack(k))
-      has_leak[entryOf(sums_.lines->pairs()[k], sums_.lines->ids(), options_.by).first] = true;
+      by_lines[entryOf(sums_.lines->pairs()[k], sums_.lines->ids(), options_.by).first] = true;
+  return by_lines;
+}
+
+// Returns the error of each row's environment over the error that the goals allow; 0 where the row has none. A row's
+// environment is 1 less its pairs, so their variances add up.
+//   In: leak_by_lines: from findLeaksByLines()
+std::vector<double> LineRun::findRowExcess(const FormFactors& all, const std::vector<bool>& leak_by_lines) const {
+  const Ids& ids = all.ids();
+  std::vector<double> variances(ids.count()), excess(ids.count());
   for (const FormFactors::Entry& entry : all.entries())
     for (const uint32_t id : {entry.i, entry.j})
-      if (id < kEnvironment && (entry.j < kEnvironment || (entry.j == kLeak && has_leak[id])))
+      if (id < kEnvironment && (entry.j < kEnvironment || (entry.j == kLeak && leak_by_lines[id])))
         variances[id] += std::pow(entry.errorInSums(), 2);
   std::vector<bool> has_environment(ids.count());
   bool is_open = false;
@@ -85,6 +90,26 @@ std::vector<double> LineRun::findRowExcessOfLines() const {
   return excess;
 }
 
+// Plans further rays of this row.    In: excess: error of its environment or leak, over the error that the goals allow
+void LineRun::planFurtherRays(uint32_t row, double excess) {
+  // Variances fall as the number of replicates. Half of the missing ones come next, for the error is rough.
+  const double missing = double(sumsOfRows().replicatesOf(row, kEnvironment)) * (excess * excess - 1) / 2;
+  further_rays_[row] = std::max(further_rays_[row], static_cast<uint32_t>(std::clamp(missing, 1.0, kMostFurtherRays)));
+  needs_directions_ = true;
+}
+
+// Plans further rays of the rows whose leak misses the goal, where rays alone say what leaks.
+//   In: leak_by_lines: from findLeaksByLines()
+void LineRun::planFurtherRaysOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines) {
+  needs_directions_ = false;
+  further_rays_.assign(all.ids().count(), 0);
+  if (!hasFurtherRays()) return;
+  for (const FormFactors::Entry& entry : all.entries()) {
+    if (entry.j != kLeak || leak_by_lines[entry.i]) continue;
+    if (const double excess = kRayMargin * excessOf(entry, all.ids()); excess > 1) planFurtherRays(entry.i, excess);
+  }
+}
+
 void LineRun::measureErrors() {
   if (sums_.replicateCount() < options_.replicates) return;
   if (hasCountedPairs() && options_.by == By::polygon) return measureErrorsOfMixture();
@@ -94,7 +119,11 @@ void LineRun::measureErrors() {
   else if (options_.rms)
     planFurtherInTime(
         std::vector(sums_.lines->pairs().size(), measureStandardErrors(*all, 0).rms_with_zeros / *options_.rms));
-  else planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all)));
+  else {
+    const std::vector<bool> leak_by_lines = findLeaksByLines();
+    planFurtherRaysOfLeaks(*all, leak_by_lines);
+    planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all, leak_by_lines)));
+  }
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();
   if (is_large) returnFreedMemory();
@@ -153,13 +182,7 @@ void LineRun::measureErrorsOfMixture() {
   for (const Found& of : found) {
     squares_of_lines += of.squares_of_lines, squares_of_counts += of.squares_of_counts;
     largest_error_ = std::max(largest_error_, of.largest_error);
-    needs_directions_ |= !of.rows.empty();
-    for (const auto& [row, excess] : of.rows) {
-      // Variances fall as the number of replicates. Half of the missing ones come next, for the error is rough.
-      const double missing = double(sums_.by_id.replicatesOf(row, kEnvironment)) * (excess * excess - 1) / 2;
-      further_rays_[row] =
-          std::max(further_rays_[row], static_cast<uint32_t>(std::clamp(missing, 1.0, kMostFurtherRays)));
-    }
+    for (const auto& [row, excess] : of.rows) planFurtherRays(row, excess);
     wanting.insert(wanting.end(), of.wanting.begin(), of.wanting.end());
   }
   if (options_.rms) planFurtherForRms(squares_of_lines, squares_of_counts);
@@ -239,7 +262,7 @@ void LineRun::planFurther(const std::vector<double>& excess, double relief) {
   const bool may_go_on = mayGoOn();
   if (!may_go_on) further_.clear();
   is_further_ = !further_.empty();
-  if (!hasCountedPairs() || !needs_directions_) return;
+  if (!needs_directions_) return;
   is_reached_ = false;
   if (!may_go_on || double(sums_.by_id.pairs().size()) >= kMostCountedPairs) return;
   further_.resize(pairs.size(), 0);

@@ -72,18 +72,19 @@ bool hasOutside(const RowShares& shares, const std::vector<uint32_t>& casts, uin
 
 }  // namespace
 
-OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint64_t seed) {
-  constexpr uint32_t kFurtherRays = 1024;
-  constexpr size_t kMostFurtherRows = 512;
+OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint32_t further_rays,
+                            uint64_t seed) {
+  constexpr size_t kMostFurtherRows = 512, kMostRaysOfAll = 1 << 22;
   const std::vector<uint32_t> casts = blocksOfRequested(ids, 1);
   const RowShares first = castFrom(engine, scene, ids, casts, rays, seed, kRayReplicates.end - 2);
   OutsideShares shares{.largest_environment = largestSure(first.environment, rays),
                        .has_outside = hasOutside(first, casts, rays),
                        .has_leak = isAbove0(first.leak)};
   if (std::ranges::count(shares.has_leak, true) == 0) return shares;
-  const RowShares further = castFrom(engine, scene, ids, rowsOfLargest(first.leak, kMostFurtherRows), kFurtherRays,
-                                     seed, kRayReplicates.end - 1);
-  shares.largest_leak = largestSure(further.leak, kFurtherRays);
+  const size_t most_rows = std::clamp<size_t>(kMostRaysOfAll / further_rays, 1, kMostFurtherRows);
+  const RowShares further =
+      castFrom(engine, scene, ids, rowsOfLargest(first.leak, most_rows), further_rays, seed, kRayReplicates.end - 1);
+  shares.largest_leak = largestSure(further.leak, further_rays);
   return shares;
 }
 

@@ -62,6 +62,13 @@ void FormFactorRun::State::makeOutsideEngine() {
     return;
   }
   line_mixture.resolution = LatticeOptions{}.resolution;
+  // A row that leaks less than the tolerance T needs up to 24 / T rays for a standard error of T / 4.9, which several
+  // thousand rows may have. It then has them in 512 replicates.
+  if (std::ranges::count(surveyed_leaks, true) > 0 && line_mixture.directions) {
+    constexpr double kOfLeakAtOne = 24.0 / 512, kMost = 1024;
+    line_mixture.directions = RayEngine::usualRays(
+        std::clamp(kOfLeakAtOne / setup.estimate().tolerance.value_or(1), double(line_mixture.directions), kMost));
+  }
   if (line_mixture.directions) line_mixture.rays.assign(setup.faceIds().count(), line_mixture.directions);
   rayEngine().setRays(line_mixture.rays);
   useRays(std::move(ray_engine));

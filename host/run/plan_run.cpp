@@ -34,6 +34,9 @@ constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
 // So many rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A face that leaks the
 // tolerance is then missed with a probability of exp(-6), and one ray's share is below an error that the goal allows.
 constexpr double kLeakRaysAtOne = 6;
+// So many rays of a row, at the least and at the most, decide whether it leaks more than the tolerance, where a ray of
+// the survey ended on a back.
+constexpr double kLeastOfLeak = 1024, kMostOfLeak = 1 << 16;
 // Lines for all pairs with backs cost less than more rays than this, and less than rays where the faces are fewer than
 // this share of the rays of a face.
 constexpr double kMostLeakRays = 8192, kFacesOfLeakRay = 0.125;
@@ -157,10 +160,11 @@ void FormFactorRun::State::surveyOutside() {
   }
   if (!may_survey) return;
   const Ids& ids = setup.faceIds();
-  const double at_least = setup.isLarge() ? 0 : kSurveyedAtOne / setup.estimate().tolerance.value_or(1);
+  const double tolerance = setup.estimate().tolerance.value_or(1),
+               at_least = setup.isLarge() ? 0 : kSurveyedAtOne / tolerance;
   const OutsideShares shares = viewpeel::surveyOutside(
       rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
-      setup.request().seed);
+      RayEngine::usualRays(std::clamp(kLeakRaysAtOne / tolerance, kLeastOfLeak, kMostOfLeak)), setup.request().seed);
   leaked_share = std::max(leaked_share, shares.largest_leak);
   surveyed_leaks = shares.has_leak;
   may_leave |= shares.has_outside || shares.largest_environment > 0 || shares.largest_leak > 0;

@@ -95,8 +95,10 @@ void RunSums::addLines(uint64_t replicate, const PairCounts& counts, uint64_t di
 void RunSums::addOutside(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
                          const LineCounts& line_counts, const std::vector<bool>& rows) {
   lines->add(line_counts);
-  by_id.addOutside(counts, rows);
-  by_surface.addOutside({}, {});
+  const bool are_surfaces = lines->by() == By::surface;
+  by_id.addOutside(are_surfaces ? PairCounts() : counts, are_surfaces ? std::vector<bool>() : rows);
+  by_surface.addOutside(are_surfaces ? mergeIds(counts, by_id.ids().surface) : PairCounts(),
+                        are_surfaces ? rows : std::vector<bool>());
   note(replicate, direction_count);
 }
 

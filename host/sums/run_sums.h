@@ -51,8 +51,8 @@ struct RunSums {
   void add(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const PairCounts& directed = {});
   // Adds one replicate of a run with pair lines.    In: as in add; line_counts: sums of the pair lines
   void addLines(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts);
-  // Adds one replicate in which only some faces had rays, for their environment and leak.
-  //   In: as in addLines; rows: bool[ids of by_id]
+  // Adds one replicate in which only some rows of the result had rays, for their environment and leak.
+  //   In: as in addLines; rows: bool[rows of the result]; all faces of these rows had rays
   void addOutside(uint64_t replicate, const PairCounts& counts, uint64_t direction_count, const LineCounts& line_counts,
                   const std::vector<bool>& rows);
   // Adds other replicates of the same run.
