@@ -21,8 +21,8 @@ namespace {
 
 using Key = std::pair<uint32_t, uint32_t>;
 
-// Lines drawn, over the lines that an error asks for: in the first further replicate, and in later ones. These have few
-// lines, and take less time to draw them than to measure all errors once more.
+// Lines drawn, over the lines that an error asks for: in the first further replicate, and in later ones. Few pairs need
+// lines then, and drawing more of them takes less time than measuring all errors once more.
 constexpr double kSpare = 1.2, kLaterSpare = 2;
 constexpr double kMostGrowth = 16;   // of a pair's lines, by one replicate
 constexpr double kMostTimes = 1000;  // most multiples of planned lines, so that LineCount's units suffice
