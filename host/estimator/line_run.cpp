@@ -171,13 +171,13 @@ void LineRun::addReplicate(uint64_t replicate, Ahead& drawn) {
 void LineRun::castFurtherRays(uint64_t replicate, const LineCounts& lines) {
   const uint32_t most = std::max(1u, std::ranges::max(further_rays_)),
                  together = std::max(1u, static_cast<uint32_t>(kMostDirectionsTogether / options_.directions));
+  const Ids& faces = sums_.by_id.ids();
   std::vector<PairCounts> counts;
   for (uint32_t first = 0; first < most; first += together) {
     const uint32_t count = std::min(together, most - first);
-    const std::vector<uint32_t>& surface = sums_.by_id.ids().surface;
     std::vector<uint32_t> blocks;
-    for (uint32_t face = 0; face < sums_.by_id.ids().count(); ++face) {
-      const uint32_t replicates = further_rays_[options_.by == By::polygon ? face : surface[face]];
+    for (uint32_t face = 0; face < faces.count(); ++face) {
+      const uint32_t replicates = further_rays_[options_.by == By::polygon ? face : faces.surface[face]];
       blocks.push_back(std::clamp(replicates, first, first + count) - first);
     }
     std::ranges::move(options_.rays->countOutside(directionsOf(replicate + first, count), options_.directions, blocks),

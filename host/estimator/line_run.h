@@ -37,8 +37,8 @@ class LineRun {
   double largestStandardError() const { return largest_error_; }
   Estimate estimate() const;
 
-  // Returns how many planned replicates may have their lines and rays drawn at once: few where there are many lines or
-  // rays, for meanwhile a run can neither end nor be saved.
+  // Returns how many planned replicates may have their lines and rays drawn at once. These are few where a replicate
+  // has many lines or rays: while they are drawn, the run can neither end nor be saved.
   double mostAhead() const;
   // Returns whether lines of further replicates have been drawn with those of the last one.
   bool hasDrawnAhead() const { return !ahead_.empty(); }
@@ -67,7 +67,7 @@ class LineRun {
   double secondsLeft() const { return options_.seconds ? *options_.seconds - secondsSince(start_) : INFINITY; }
   double secondsOfNext() const;
   bool mayGoOn() const;
-  double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
+  double excessOf(const FormFactors::Entry& entry, const Ids& ids, double margin = 1) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
   // Only rows whose environment or leak, by rays, misses the goal get rays after the planned replicates. All rows do
@@ -93,7 +93,7 @@ class LineRun {
   // further_[k] is how many times pair k draws its planned lines in that replicate. Empty when no pair needs more.
   std::vector<uint32_t> further_;
   std::deque<Ahead> ahead_;  // the next replicates
-  // By row of the result, in how many of the next replicates it has rays, where there are rays.
+  // further_rays_[row] is how many of the next replicates have rays of this row of the result.
   std::vector<uint32_t> further_rays_;
   bool needs_directions_ = false;  // whether counts along directions or rays err by more than the goal allows
   bool is_reached_ = false;        // whether all pairs have the lines, and the directions, that their goal needs

@@ -31,10 +31,9 @@ constexpr double kMostFurtherRays = 16;
 
 }  // namespace
 
-// Returns an entry's error over the error that the goals allow.
-double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
+// Returns an entry's error over the error that the goals allow.    In: margin: kRayMargin where rays alone count it
+double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids, double margin) const {
   const double area = ids.smallerArea(entry.i, entry.j),
-               margin = entry.j >= kEnvironment && hasCountedPairs() && hasFurtherRays() ? kRayMargin : 1,
                error = margin * errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
   return error / (options_.allowedError(entry.exchange_area.value / area) * area);
 }
@@ -106,7 +105,7 @@ void LineRun::planFurtherRaysOfLeaks(const FormFactors& all, const std::vector<b
   if (!hasFurtherRays()) return;
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kLeak || leak_by_lines[entry.i]) continue;
-    if (const double excess = kRayMargin * excessOf(entry, all.ids()); excess > 1) planFurtherRays(entry.i, excess);
+    if (const double excess = excessOf(entry, all.ids(), kRayMargin); excess > 1) planFurtherRays(entry.i, excess);
   }
 }
 
@@ -172,7 +171,8 @@ void LineRun::measureErrorsOfMixture() {
       [&](size_t slice, size_t, const FormFactors::Entry& entry) {
         noteError(found[slice], found[slice].squares_of_counts, entry);
         if (entry.j < kEnvironment) return;
-        if (const double excess = excessOf(entry, ids); excess > 1) found[slice].rows.emplace_back(entry.i, excess);
+        const double excess = excessOf(entry, ids, hasFurtherRays() ? kRayMargin : 1);
+        if (excess > 1) found[slice].rows.emplace_back(entry.i, excess);
       });
   largest_error_ = 0;
   needs_directions_ = false;
@@ -240,8 +240,8 @@ std::vector<double> LineRun::excessOfPairs(const Wanting& wanting, const std::ve
   return all;
 }
 
-// Plans the next replicate: lines that bring the wanting entries and rows to the goal, and common directions if an
-// entry needs them.
+// Plans the next replicate: lines that bring the wanting entries and rows to the goal, and common directions or rays if
+// an entry needs them.
 //   In: excess: from excessOfPairs(); relief: goals are this much coarser
 void LineRun::planFurther(const std::vector<double>& excess, double relief) {
   const std::vector<LinePair>& pairs = sums_.lines->pairs();

@@ -20,11 +20,12 @@ struct OutsideShares {
 // the scene or end on backs. One or two may have grazed an edge within rounding: in nine scenes of 576 to 9,984
 // polygons at most 1 ray in 80,000 did so, and no row had three such rays of 1,024. Each row may have few rays through
 // a small opening, so the rays of all rows are counted together, too.
-//   In: engine: counts by id; rays: of each polygon, from usualRays(). Rows whose rays end on backs get further_rays,
-//     too, from usualRays(), which alone decide whether they leak: up to 512 rows, and 2^22 rays in all
+//   In: engine: counts by id; rays: of each polygon; further_rays: of each polygon of a row whose rays ended on backs.
+//     Both are from usualRays(). The further rays alone decide whether such a row leaks. At most 512 rows get them, the
+//     ones that seem to leak most, and at most 2^22 / further_rays
 //   Error: with 64 rays a row that leaks 5 % of what it emits is missed with a probability of 0.04. Where more rows
-//     leak, the largest leak is that of the rows that seemed to leak most
-//   Cost: rays x polygons
+//     leak than get further rays, the largest leak is that of the rows that do
+//   Cost: rays x polygons, and the further rays
 OutsideShares surveyOutside(RayEngine& engine, const Scene& scene, const Ids& ids, uint32_t rays, uint32_t further_rays,
                             uint64_t seed);
 

@@ -49,8 +49,8 @@ class RayEngine : public Engine {
                                                const std::vector<uint32_t>& blocks) = 0;
 };
 
-// Returns the argument `blocks` of countOutside() with which requested rows have rays in this number of blocks, and
-// other rows have none.
+// Returns by id in how many blocks its polygons have rays, as countOutside() takes it: all of them for requested rows,
+// and none for others.    In: blocks: their number
 std::vector<uint32_t> blocksOfRequested(const Ids& ids, size_t blocks);
 
 // Makes the engine. For each of N directions that it is given, each polygon has one ray, unless setRays() says

@@ -62,8 +62,8 @@ void FormFactorRun::State::makeOutsideEngine() {
     return;
   }
   line_mixture.resolution = LatticeOptions{}.resolution;
-  // A row that leaks less than the tolerance T needs up to 24 / T rays for a standard error of T / 4.9, which several
-  // thousand rows may have. It then has them in 512 replicates.
+  // A leak as large as the tolerance T takes 24 / T rays to a standard error of T / 4.9, the one that several thousand
+  // rows are allowed. A run has at most 512 replicates of rays, so each has 1 / 512 of them.
   if (std::ranges::count(surveyed_leaks, true) > 0 && line_mixture.directions) {
     constexpr double kOfLeakAtOne = 24.0 / 512, kMost = 1024;
     line_mixture.directions = RayEngine::usualRays(

@@ -12,8 +12,8 @@ namespace viewpeel {
 namespace {
 
 constexpr double kTrialSeconds = 0.5;  // least time of a trial of directions
-// An estimate by pair lines needs further replicates for entries whose errors turn out larger than planned: about three
-// in the scenes of docs/speed.md.
+// After its planned replicates an estimate by pair lines draws about this many more, for entries whose errors turned
+// out larger than planned (scenes of docs/speed.md).
 constexpr double kFurtherReplicates = 3;
 
 }  // namespace
@@ -40,7 +40,7 @@ double FormFactorRun::State::measureLineSeconds() {
   const bool are_ahead = trial.hasDrawnAhead();
   const double last = secondsOfStep();
   if (!are_ahead) return replicates * next * kLinesOverPlan + (kFurtherReplicates + 2) * std::max(0.0, last - next);
-  // Common directions are counted in each replicate, and rays ahead. They take longer than the comparison.
+  // Rays are cast ahead, but common directions are counted in each replicate, which takes longer than the comparison.
   const double of_directions = plan->directions > 0 && !line_mixture.hasRays() ? last : 0,
                of_lines = std::max(0.0, next - alone), in_common = std::max(0.0, alone - of_lines - of_directions),
                batches = std::ceil(replicates / trial.mostAhead());

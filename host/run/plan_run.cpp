@@ -34,8 +34,8 @@ constexpr double kSurveyedAtOne = 0.25, kLeastSurvey = 64, kMostSurvey = 1024;
 // So many rays of each face decide from which faces lines may end on backs, at a tolerance of 1. A face that leaks the
 // tolerance is then missed with a probability of exp(-6), and one ray's share is below an error that the goal allows.
 constexpr double kLeakRaysAtOne = 6;
-// So many rays of a row, at the least and at the most, decide whether it leaks more than the tolerance, where a ray of
-// the survey ended on a back.
+// Where a ray of the survey ended on a back, further rays of its row decide whether the row leaks more than the
+// tolerance. They are as many as above, within these bounds.
 constexpr double kLeastOfLeak = 1024, kMostOfLeak = 1 << 16;
 // Lines for all pairs with backs cost less than more rays than this, and less than rays where the faces are fewer than
 // this share of the rays of a face.

@@ -95,10 +95,13 @@ void RunSums::addLines(uint64_t replicate, const PairCounts& counts, uint64_t di
 void RunSums::addOutside(uint64_t replicate, const PairCounts& counts, uint64_t direction_count,
                          const LineCounts& line_counts, const std::vector<bool>& rows) {
   lines->add(line_counts);
-  const bool are_surfaces = lines->by() == By::surface;
-  by_id.addOutside(are_surfaces ? PairCounts() : counts, are_surfaces ? std::vector<bool>() : rows);
-  by_surface.addOutside(are_surfaces ? mergeIds(counts, by_id.ids().surface) : PairCounts(),
-                        are_surfaces ? rows : std::vector<bool>());
+  if (lines->by() == By::polygon) {
+    by_id.addOutside(counts, rows);
+    by_surface.addOutside({}, {});
+  } else {
+    by_id.addOutside({}, {});
+    by_surface.addOutside(mergeIds(counts, by_id.ids().surface), rows);
+  }
   note(replicate, direction_count);
 }
 

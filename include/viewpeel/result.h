@@ -105,9 +105,11 @@ struct PairLinesSummary {
   // Pairs with a smaller unoccluded form factor, from the smaller polygon, are counted by common directions or by rays.
   // With 1 all pairs are: between surfaces, where rays take less time than finding the pairs.
   double least_form_factor = 0;
-  // Whether rays of each polygon count such pairs, and see what leaves the scene. PlanSummary::directions then is the
-  // largest number of rays of a polygon in a replicate, and Estimate::directions that times the replicates. Where rays
-  // count pairs, only polygons whose environment or leak misses the goal have some after the planned replicates.
+  // Whether each polygon has rays of its own. They see what leaves the scene and what ends on backs, and count the
+  // pairs below least_form_factor. PlanSummary::directions then is the largest number of rays of a polygon in a
+  // replicate, and Estimate::directions that times the replicates. After the planned replicates only rows whose
+  // environment or leak misses the goal have rays, unless the goal is an rms error, or rays count pairs between
+  // surfaces.
   bool has_rays = false;
 };
 

@@ -79,6 +79,17 @@ TEST(SurveyOutside, OfManyLeakingRowsFindsTheLargestShare) {
   EXPECT_NEAR(survey(input).largest_leak, largest, 6 * error_of_1024);
 }
 
+// Returns a parallelogram cut into side x side tiles, row by row.
+std::vector<ts::Corners> tilesOf(const glm::dvec3& corner, const glm::dvec3& right, const glm::dvec3& up,
+                                 uint32_t side) {
+  const glm::dvec3 of_right = right / double(side), of_up = up / double(side);
+  std::vector<ts::Corners> tiles;
+  for (uint32_t k = 0; k < side * side; ++k)
+    tiles.push_back(
+        ts::parallelogram(corner + double(k % side) * of_right + double(k / side) * of_up, of_right, of_up));
+  return tiles;
+}
+
 constexpr uint32_t kTilesOfWall = 16;
 
 // Returns a cube of 16 x 16 tiles a wall, seen from inside. One tile is missing, a hole of 1 / 1,536 of the area.
@@ -86,12 +97,9 @@ InputScene cubeWithHole() {
   InputScene input = ts::insideOfCube();
   const std::vector<InputFace> walls = std::exchange(input.faces, {});
   for (const InputFace& wall : walls) {
-    const glm::dvec3 corner = wall.corners[0], right = (wall.corners[1] - corner) / double(kTilesOfWall),
-                     up = (wall.corners[3] - corner) / double(kTilesOfWall);
-    for (uint32_t k = 0; k < kTilesOfWall * kTilesOfWall; ++k)
-      input.faces.push_back(
-          {ts::parallelogram(corner + double(k % kTilesOfWall) * right + double(k / kTilesOfWall) * up, right, up),
-           wall.surface});
+    const glm::dvec3 corner = wall.corners[0];
+    for (const ts::Corners& tile : tilesOf(corner, wall.corners[1] - corner, wall.corners[3] - corner, kTilesOfWall))
+      input.faces.push_back({tile, wall.surface});
   }
   input.faces.erase(input.faces.begin() + kTilesOfWall * kTilesOfWall / 2 + kTilesOfWall / 2);
   return input;
@@ -285,12 +293,8 @@ InputScene boxWithLeak() {
   constexpr double kLow = 0.475, kHigh = 0.525;  // of the hole: (kHigh - kLow)^2 / pi is 8e-4
   InputScene input;
   const auto add = [&](const glm::dvec3& corner, const glm::dvec3& right, const glm::dvec3& up) {
-    constexpr uint32_t kTilesOfSide = 8;
-    for (uint32_t k = 0; k < kTilesOfSide * kTilesOfSide; ++k)
-      ts::addFace(input, "tile " + std::to_string(input.faces.size()),
-                  ts::parallelogram(corner + double(k % kTilesOfSide) / kTilesOfSide * right +
-                                        double(k / kTilesOfSide) / kTilesOfSide * up,
-                                    right / double(kTilesOfSide), up / double(kTilesOfSide)));
+    for (const ts::Corners& tile : tilesOf(corner, right, up, 8))
+      ts::addFace(input, "tile " + std::to_string(input.faces.size()), tile);
   };
   const glm::dvec3 x(1, 0, 0), y(0, 1, 0), z(0, 0, 1);
   add({0, 0, 0}, x, y), add({0, 0, 0}, y, z), add({0, 0, 0}, z, x), add({0, 1, 0}, x, z);
