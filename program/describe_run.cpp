@@ -68,7 +68,8 @@ std::string describeLines(const PlanSummary& plan, uint64_t seed) {
 
 std::string describeLineGuarantee(const Request& request, const PlanSummary& plan) {
   const LineGuaranteeFigures& g = *plan.line_guarantee;
-  const char* what = std::get<EpsilonDelta>(request.goal).rows ? "form factor, environment too," : "form factor";
+  const char* what =
+      std::get<EpsilonDelta>(request.goal).rows ? "form factor, environment too," : "form factor between rows";
   std::string text = g.delta > 0 ? fmt::format("goal       a promise: every {} within {} with probability {}\n", what,
                                                g.epsilon, 1 - g.delta)
                                  : fmt::format(

@@ -53,9 +53,11 @@ void addGoalOptions(CLI::App* command, const std::shared_ptr<RequestOptions>& op
           "For limited time: errors as small as this time allows; with a goal: stop short of it when time is up. A run "
           "has 2 replicates at least",
           "S");
-  addGoal("--epsilon", options->epsilon,
-          "For a bound to cite: every form factor within E with probability 1 - D, and in an interval; see --delta",
-          "E");
+  addGoal(
+      "--epsilon", options->epsilon,
+      "For a bound to cite: every form factor between rows within E with probability 1 - D, each entry in an interval; "
+      "see --delta and --rows",
+      "E");
   EpsilonDelta& guarantee = options->guarantee;
   command
       ->add_option("--delta", guarantee.delta,

@@ -71,7 +71,7 @@ double FormFactorRun::measureSeconds() {
   const PlanSummary& summary = makePlan();
   if (summary.guarantee) return summary.guarantee->expected_seconds;
   if (summary.line_guarantee) {
-    const uint32_t directions = state_->promise_counts ? 0 : state_->plan->directions * kFewReplicates;
+    const uint32_t directions = state_->common_counts ? 0 : state_->plan->directions * kFewReplicates;
     return summary.line_guarantee->expected_seconds + (directions ? directions * state_->measureDirectionSeconds() : 0);
   }
   if (summary.pilot_seconds > 0) return summary.seconds;

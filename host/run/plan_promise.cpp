@@ -12,10 +12,6 @@
 namespace viewpeel {
 namespace {
 
-// A promise allows that this part of the tolerance of each row ends on backs, because lines that graze an edge may do
-// so by rounding. The environment's interval includes this leak.
-constexpr double kGrazedPart = 0.1;
-
 std::string reasonOfLeak(double share) {
   return fmt::format("about {:.3g} % of a row's radiation ends on backs of polygons",
                      100 * std::min(1.0, share));  // few lines may say more than all
@@ -61,20 +57,21 @@ bool FormFactorRun::State::planPromise() {
   };
   if (!mayPlanFor(may_leave)) return false;
   const bool is_open = countOutside();
+  if (is_open || may_leave) surveyLeaks({.epsilon = tolerance, .rows = true});
   if (leaked_share > kGrazedPart * tolerance) return refuse(reasonOfLeak(leaked_share));
   if (is_open && !may_leave && !mayPlanFor(true)) return false;
   line_guarantee->predictSeconds(finding_seconds);
   return true;
 }
 
-// Counts along common directions what leaves the scene or ends on backs, for a promise.
-//   Out: whether anything leaves the scene; sets promise_counts, and leaked_share where more leaks
+// Counts along common directions what leaves the scene or ends on backs, for a guarantee or a promise.
+//   Out: whether anything leaves the scene; sets common_counts, without leak, and leaked_share where more leaks
 bool FormFactorRun::State::countOutside() {
   if (!plan->engine) makeLineEngine();
-  promise_counts = countCommonDirections();
+  common_counts = countCommonDirections();
   bool is_open = false;
   std::vector<double> leaked(setup.faceIds().count(), 0);
-  for (PairCounts& counts : *promise_counts) {
+  for (PairCounts& counts : *common_counts) {
     for (const PairCount& count : counts) {
       is_open |= count.j == kEnvironment;
       if (count.j == kLeak) leaked[count.i] += 2 * double(count.count) * commonCountArea();  // docs/method.md, eq. (7)
@@ -83,13 +80,13 @@ bool FormFactorRun::State::countOutside() {
   }
   for (size_t k = 0; k < leaked.size(); ++k)
     leaked_share = std::max(leaked_share,
-                            leaked[k] / setup.faceIds().areas[k] / double(std::max<size_t>(promise_counts->size(), 1)));
+                            leaked[k] / setup.faceIds().areas[k] / double(std::max<size_t>(common_counts->size(), 1)));
   return is_open;
 }
 
 void FormFactorRun::State::takeBackPromise() {
   setup.takeBackPromise();
-  line_guarantee.reset(), promise_counts.reset(), common_sums.reset();
+  line_guarantee.reset(), common_counts.reset(), common_sums.reset();
 }
 
 // Continues with an estimate where the lines that were drawn show that the promise cannot be kept.

@@ -11,7 +11,6 @@
 #include <viewpeel/error.h>
 #include "directions/replicates.h"
 #include "estimator/plan_lines.h"
-#include "estimator/survey_outside.h"
 #include "memory.h"
 #include "run/observed_engine.h"
 #include "run/rules.h"
@@ -147,28 +146,48 @@ bool FormFactorRun::State::maySurvey() const {
 }
 
 // Finds out from a few rays or directions whether anything leaves the scene, and the largest share of a row that leaks.
-// Rays see small polygons as well as large ones. A guarantee allows for less than rays can see, so that its pilot
-// directions, each with many lines, say more.
+// Rays see small polygons as well as large ones.
 void FormFactorRun::State::surveyOutside() {
   if (resumed) return;
   const bool may_survey = maySurvey();
   if (!may_survey || setup.guarantee()) {
     makeLineEngine();
     const PairCounts counts = countDirections(kPilotDirections);
-    leaked_share = measureLeaks(counts);
+    if (!may_survey) leaked_share = measureLeaks(counts);
     may_leave = shareOutside(counts) > kGrazedOfScene;
   }
+  if (setup.guarantee() && !(setup.leastFormFactor() > 0)) {
+    countOutside();
+    surveyLeaks(*setup.guarantee());
+    return;
+  }
   if (!may_survey) return;
-  const Ids& ids = setup.faceIds();
   const double tolerance = setup.estimate().tolerance.value_or(1),
                at_least = setup.isLarge() ? 0 : kSurveyedAtOne / tolerance;
-  const OutsideShares shares = viewpeel::surveyOutside(
-      rayEngine(), setup.scene(), ids, RayEngine::usualRays(std::clamp(at_least, kLeastSurvey, kMostSurvey)),
-      RayEngine::usualRays(std::clamp(kLeakRaysAtOne / tolerance, kLeastOfLeak, kMostOfLeak)), setup.request().seed);
-  leaked_share = std::max(leaked_share, shares.largest_leak);
+  const OutsideShares shares = castSurvey(std::clamp(at_least, kLeastSurvey, kMostSurvey), kLeakRaysAtOne / tolerance);
   surveyed_leaks = shares.has_leak;
-  may_leave |= shares.has_outside || shares.largest_environment > 0 || shares.largest_leak > 0;
   refusePromiseOfLeak(shares.largest_leak);
+}
+
+// Surveys all rows by rays.
+//   In: least_rays, further_rays: of each polygon, rounded up to what surveyOutside() takes
+//   Out: what they see; sets may_leave where anything leaves the scene or leaks, and leaked_share where more leaks
+OutsideShares FormFactorRun::State::castSurvey(double least_rays, double further_rays) {
+  OutsideShares shares = viewpeel::surveyOutside(
+      rayEngine(), setup.scene(), setup.faceIds(), RayEngine::usualRays(least_rays),
+      RayEngine::usualRays(std::clamp(further_rays, kLeastOfLeak, kMostOfLeak)), setup.request().seed);
+  leaked_share = std::max(leaked_share, shares.largest_leak);
+  may_leave |= shares.has_outside || shares.largest_environment > 0 || shares.largest_leak > 0;
+  return shares;
+}
+
+// Looks for leaks by as many rays as a guarantee needs: more where it has the environment of rows in it.
+//   Out: as castSurvey()
+void FormFactorRun::State::surveyLeaks(const EpsilonDelta& goal) {
+  if (!maySurvey()) return;
+  const double of_each = goal.rows ? std::min(kLeakRaysAtOne / goal.epsilon, kMostOfLeak)
+                                   : std::min(kSurveyedAtOne / goal.epsilon, kMostSurvey);
+  castSurvey(std::max(of_each, kLeastSurvey), kLeakRaysAtOne / (kGrazedPart * goal.epsilon));
 }
 
 // Returns the number of rays of each face that decide whether the face gets lines to backs; 0: every face gets some.
@@ -199,8 +218,9 @@ std::string FormFactorRun::State::makePairLines() {
   plan.emplace();
   line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
   surveyOutside();
-  // In an estimate, backs are sampled only where a row loses a share that matters at its tolerance.
-  const double least_share = setup.guarantee() ? 0 : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
+  // Backs are sampled only where a row loses a share that matters.
+  const double least_share = setup.guarantee() ? kGrazedPart * setup.guarantee()->epsilon
+                                               : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak = leaked_share > least_share && !(setup.leastFormFactor() > 0);
   const auto make = [&](LeakingFaces leaking) {
     pair_lines.emplace(
@@ -334,7 +354,7 @@ void FormFactorRun::State::planEstimateOfDirections() {
 void FormFactorRun::State::planGuarantee() {
   if (setup.usesPairLines()) {
     if (planLineGuarantee()) return;
-    line_guarantee.reset(), pair_lines.reset(), plan.reset();
+    line_guarantee.reset(), pair_lines.reset(), plan.reset(), common_counts.reset();
     setup.leaveOutPairLines();
   }
   guarantee =
@@ -346,7 +366,7 @@ void FormFactorRun::State::planGuarantee() {
 // Plans a guarantee by pair lines. Returns false where pair lines cannot be used.
 bool FormFactorRun::State::planLineGuarantee() {
   if (!makePairLines().empty() || !findLinePairs()) return false;
-  if (isAllExact()) plan->directions = 0;
+  if (isAllExact()) plan->directions = 0, common_counts.reset();
   makeLineGuarantee();
   line_guarantee->predictSeconds(finding_seconds);
   const LineGuaranteeFigures& figures = line_guarantee->figures();

@@ -20,6 +20,7 @@
 #include "estimator/line_run.h"
 #include "estimator/plan_rays.h"
 #include "estimator/plan_rays_for_rms.h"
+#include "estimator/survey_outside.h"
 #include "io/checkpoint.h"
 #include "rays/ray_engine.h"
 #include "run/setup.h"
@@ -59,10 +60,10 @@ struct FormFactorRun::State {
   double finding_seconds = 0;                // that it took to find them
   std::optional<LineRun> line_run;
   std::optional<LineGuarantee> line_guarantee;
-  std::optional<RunSums> common_sums;                     // of common directions of a guarantee by lines
-  std::optional<std::vector<PairCounts>> promise_counts;  // of the same directions, where a promise was planned
-  double leaked_share = 0;                                // largest share of a row's lines or rays that leak, of a few
-  std::vector<bool> surveyed_leaks;                       // by face: whether one of its few rays leaks
+  std::optional<RunSums> common_sums;                    // of common directions of a guarantee by lines
+  std::optional<std::vector<PairCounts>> common_counts;  // of the same directions, where the plan has counted them
+  double leaked_share = 0;                               // largest share of a row's lines or rays that leak, of a few
+  std::vector<bool> surveyed_leaks;                      // by face: whether one of its few rays leaks
   bool may_leave = false;          // whether more of them leave the scene or leak than may graze edges
   std::string no_promise;          // why the tolerance is not promised but estimated; else empty
   std::string no_pair_lines;       // why there are no pair lines; else empty
@@ -157,6 +158,8 @@ struct FormFactorRun::State {
   void makeLineGuarantee();
   bool planPromise();
   bool countOutside();
+  OutsideShares castSurvey(double least_rays, double further_rays);
+  void surveyLeaks(const EpsilonDelta& goal);
   void refusePromise(const std::string& why);
   void refusePromiseOfLeak(double leak);
   void takeBackPromise();

@@ -51,7 +51,7 @@ std::vector<PairCounts> FormFactorRun::State::countCommonDirections() const {
 
 void FormFactorRun::State::beginLineGuarantee() {
   progress.expected_blocks = progress.most_blocks = line_guarantee->mostLooks();
-  const std::vector<PairCounts> counts = promise_counts ? std::move(*promise_counts) : countCommonDirections();
+  const std::vector<PairCounts> counts = common_counts ? std::move(*common_counts) : countCommonDirections();
   common_sums.emplace(makeRunSums(setup.scene(), setup.faceIds()));
   if (plan->directions) common_sums->measure_area = commonCountArea();
   for (uint64_t replicate = 0; replicate < counts.size(); ++replicate)
