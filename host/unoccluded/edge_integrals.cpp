@@ -19,7 +19,9 @@ using glm::dot, glm::cross, glm::dvec3;
 namespace {
 
 constexpr uint32_t kMostPieces = 4;  // pieces of an edge between places where the inner integral is singular
-constexpr double kLeast = 1e-290;    // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
+// Roundings in a term of a sum, and in the numbers that it is made of; and as many of them as kernels allow for.
+constexpr double kSteps = 8, kStepsOfKernels = 2;
+constexpr double kLeast = 1e-290;  // replaces 0 in arguments of logarithms and angles, whose factor is then 0 as well
 
 // Returns the ends of the pieces of p, as fractions of p: 0, the places where the inner integral over q is singular or
 // nearly so, and 1. See cutsOf in shaders/unoccluded/line.comp.
@@ -58,7 +60,6 @@ bool areParallel(const dvec3& p, const dvec3& q) {
 // The integral is the second difference of K, K'' = 1 + ln r, h being the distance of the two lines:
 //   K(x) = (x^2 - h^2) / 4 ln(x^2 + h^2) - x^2 / 4 + h x atan(x / h)
 double integrateParallel(const Edge& p, const Edge& q, double& error) {
-  constexpr double kSteps = 8;  // roundings in a term, and in the numbers that it is made of
   const double length = glm::length(p.along);
   const dvec3 direction = p.along / length, from = q.start - p.start, across = cross(from, direction);
   const double first = dot(from, direction), last = first + dot(q.along, direction);
@@ -105,7 +106,8 @@ void EdgeSum::evaluate() {
       });
   for (size_t k = 0; k < kLanes; ++k) {
     value += values[k];
-    error += 2 * kUnitRounding * sizes[k];
+    error += kStepsOfKernels * kUnitRounding * sizes[k];
+    rounding += (kSteps - kStepsOfKernels) * kUnitRounding * sizes[k];
   }
   count = 0;
 }

@@ -31,14 +31,15 @@ struct EdgeSum {
   static constexpr size_t kMostPoints = 256;  // at least the points of any rule
 
   double value = 0;
-  double error = 0;  // a bound on the error of the value
+  double error = 0;     // of rules and closed forms, and of as much rounding as the kernels allow for
+  double rounding = 0;  // the rest of a bound on rounding
 
   // Each point of an edge p is this far along the edge q from its start, and back from its end, and this far from the
   // line of q. The weight is that of the inner integral in the value.
   std::array<double, kMostPoints> along, rest, distance, weight;
-  size_t count = 0;  // of points that are not in value and error yet
+  size_t count = 0;  // of points that are not in value and errors yet
 
-  // Moves the points into value and error.
+  // Moves the points into value and errors.
   void evaluate();
 };
 
@@ -50,7 +51,7 @@ class EdgeRules {
   // Adds int_p int_q (1 + ln r) ds . dt to a sum that is to be evaluated afterwards. The outer integral, over the
   // shorter edge, is by a Gauss rule.
   //   In: round: of kLineRounds; later rounds have more points
-  //   Out: sum: its value and error are raised; the error by bounds on the error of the rule and on rounding
+  //   Out: sum: its value and errors are raised
   void add(Edge p, Edge q, size_t round, EdgeSum& sum) const;
 
  private:

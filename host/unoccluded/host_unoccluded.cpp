@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include <glm/glm.hpp>
@@ -252,6 +253,22 @@ double HostUnoccluded::integrateFar(const Sides& sides, uint32_t rule) const {
   return sum / kPi;
 }
 
+// Returns how much the rounding of a's corners changes the exchange area. It moves the contour of a. Of what a point
+// of this contour emits, b takes at most all, and at most its area over pi r^2 if it is no nearer than r.
+double HostUnoccluded::errorOfCorners(const ShapeData& a, const ShapeData& b) {
+  const dvec3 middle = meanCorner(b);
+  double square = INFINITY;
+  for (size_t k = 0; k < std::size(a.corners); ++k) {
+    const dvec3 along = a.corners[(k + 1) % std::size(a.corners)] - a.corners[k], to_middle = middle - a.corners[k];
+    const double length_square = dot(along, along),
+                 at = length_square > 0 ? std::clamp(dot(to_middle, along) / length_square, 0.0, 1.0) : 0;
+    const dvec3 apart = to_middle - at * along;
+    square = std::min(square, dot(apart, apart));
+  }
+  const double least = std::max(0.0, std::sqrt(square) - b.radius);
+  return 8 * kUnitRounding * a.radius * std::min(1.0, b.area / (kPi * least * least));
+}
+
 // Returns the exchange area by product rules over the parts of the sides in front of each other's planes. It returns
 // nothing where the sides are too near for these rules, or have closed forms.
 std::optional<HostUnoccluded::Found> HostUnoccluded::integrateCut(const Sides& sides) const {
@@ -283,9 +300,9 @@ std::optional<HostUnoccluded::Found> HostUnoccluded::integrateCut(const Sides& s
 
 // Returns the exchange area by integrals along the contours of the two parts in front of each other's planes:
 //   A_i F_ij = 1 / (2 pi) oint_i oint_j ln r ds . dt.
-//   Out: error: a bound on the error, but for the rounding of corners; work: raised
+//   Out: error, further_rounding: as error and rounding of EdgeSum, without rounding of corners; work: raised
 double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lines, double& error,
-                                     UnoccludedWork& work) const {
+                                     double& further_rounding, UnoccludedWork& work) const {
   const dvec3 origin = meanCorner(sides.a);
   // In this unit the logarithms of closed forms are small, so that little cancels.
   const double unit = lines == Lines::by_rules ? 1 : sides.distance + sides.a.radius + sides.b.radius;
@@ -312,7 +329,7 @@ double HostUnoccluded::integrateNear(const Sides& sides, size_t round, Lines lin
       ++work.line_integrals;
     }
   sum.evaluate();
-  error = unit * unit * sum.error / (2 * kPi);
+  error = unit * unit * sum.error / (2 * kPi), further_rounding = unit * unit * sum.rounding / (2 * kPi);
   return (sides.is_flipped ? -sum.value : sum.value) * unit * unit / (2 * kPi);
 }
 
@@ -348,18 +365,18 @@ HostUnoccluded::Found HostUnoccluded::find(const SidePair& pair, Lines lines, Un
   ++work.near_pairs;
   const double least = kUnoccludedAbsoluteError * std::min(sides.a.area, sides.b.area);
   Found found;
+  double further_rounding = 0;
   for (size_t round = 0; round < kLineRounds.size(); ++round) {
     work.again_pairs += round > 0;
-    found.area = integrateNear(sides, round, lines, found.error, work);
+    found.area = integrateNear(sides, round, lines, found.error, further_rounding, work);
     found.is_reached = found.error <= std::max(least, kUnoccludedRelativeError * found.area);
     // Polygons of one plane that do not overlap exchange nothing.
     if (sides.areTouching() && found.area <= least) found.area = 0;
     found.area = std::max(found.area, 0.0);
     if (found.is_reached) break;
   }
-  // A corner that moves by its rounding moves the contour of its polygon; no point of it exchanges more than 1. More
-  // points of a rule would not reduce this error, so is_reached is decided without it.
-  found.error += 8 * kUnitRounding * (sides.a.radius + sides.b.radius);
+  // More points of a rule would not reduce these errors, so is_reached is decided without them.
+  found.error += further_rounding + errorOfCorners(sides.a, sides.b) + errorOfCorners(sides.b, sides.a);
   return found;
 }
 

@@ -51,10 +51,12 @@ class HostUnoccluded {
   Found find(const SidePair& pair, Lines lines, UnoccludedWork& work) const;
   uint32_t classify(const Sides& sides, double& far_error) const;
   static double roundingOf(const Sides& sides);
+  static double errorOfCorners(const unoccluded_data::ShapeData& a, const unoccluded_data::ShapeData& b);
   uint32_t chooseRule(const Sides& sides, double& far_error) const;
   std::optional<Found> integrateCut(const Sides& sides) const;
   double integrateFar(const Sides& sides, uint32_t rule) const;
-  double integrateNear(const Sides& sides, size_t round, Lines lines, double& error, UnoccludedWork& work) const;
+  double integrateNear(const Sides& sides, size_t round, Lines lines, double& error, double& further_rounding,
+                       UnoccludedWork& work) const;
 
   size_t threads_;
   std::vector<unoccluded_data::ShapeData> shapes_;

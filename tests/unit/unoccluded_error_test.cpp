@@ -2,6 +2,8 @@
 // double arithmetic alone.
 #include "unoccluded/host_unoccluded.h"
 
+#include <cmath>
+#include <numbers>
 #include <random>
 
 #include <glm/gtc/quaternion.hpp>
@@ -88,6 +90,26 @@ TEST(UnoccludedError, OfRectanglesIsThatOfDoubleArithmetic) {
     EXPECT_GT(std::abs(f - pair.form_factor - 1e-11), error + referenceError(pair.form_factor));
   }
   EXPECT_GE(near, 20u);
+}
+
+// Returns F from a point to a rectangle in a parallel plane at the distance 1, of which one corner is above the point.
+double cornerFactor(double a, double b) {
+  const double ra = std::sqrt(1 + a * a), rb = std::sqrt(1 + b * b);
+  return (a / ra * std::atan(b / ra) + b / rb * std::atan(a / rb)) / (2 * std::numbers::pi);
+}
+
+// Corners of a large polygon are rounded to more than the size of a speck's area. This hardly changes what the two
+// exchange, for little of the speck's radiation passes near the large contour.
+TEST(UnoccludedError, OfASpeckIsThatOfItsRadiation) {
+  for (const double size : {1e-3, 1e-5, 1e-7}) {
+    const RectanglePair pair = parallelPair({-size / 2, size / 2}, {-size / 2, size / 2}, {-2, 3}, {-1, 4}, 1);
+    // The speck is nearly a point: F at its middle differs from the mean by less than size^2.
+    const double truth = cornerFactor(2, 1) + cornerFactor(3, 1) + cornerFactor(2, 4) + cornerFactor(3, 4);
+    double area = 0;
+    const HostUnoccluded::Found found = findPair(pair.scene, area);
+    EXPECT_LE(found.error / area, 1e-6 * truth) << size;
+    EXPECT_NEAR(found.area / area, truth, found.error / area + size * size) << size;
+  }
 }
 
 // The corners of turned rectangles are rounded, so that edges are parallel but for rounding. The stated error still
