@@ -53,10 +53,11 @@ class LineRun {
   void measureErrorsOfMixture();
   void planFurtherForRms(double of_lines, double of_counts);
   using Wanting = std::vector<std::pair<std::pair<uint32_t, uint32_t>, double>>;
+  void noteErrorsBesideLines(const Wanting& wanting);
   bool hasCountedPairs() const { return sums_.lines->leastFormFactor() > 0; }
   std::vector<bool> findLeaksByLines() const;
   void planFurtherRays(uint32_t row, double excess);
-  void planFurtherRaysOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines);
+  void planFurtherCountsOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines);
   std::vector<double> findRowExcess(const FormFactors& all, const std::vector<bool>& leak_by_lines) const;
   std::vector<double> findRowExcessOfLines() const;
   Wanting findWanting(const FormFactors& all) const;

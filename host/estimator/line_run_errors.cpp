@@ -97,15 +97,16 @@ void LineRun::planFurtherRays(uint32_t row, double excess) {
   needs_directions_ = true;
 }
 
-// Plans further rays of the rows whose leak misses the goal, where rays alone say what leaks.
+// Plans further rays, or common directions, for the rows whose leak misses the goal and has no lines.
 //   In: leak_by_lines: from findLeaksByLines()
-void LineRun::planFurtherRaysOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines) {
+void LineRun::planFurtherCountsOfLeaks(const FormFactors& all, const std::vector<bool>& leak_by_lines) {
   needs_directions_ = false;
   further_rays_.assign(all.ids().count(), 0);
-  if (!hasFurtherRays()) return;
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kLeak || leak_by_lines[entry.i]) continue;
-    if (const double excess = excessOf(entry, all.ids(), kRayMargin); excess > 1) planFurtherRays(entry.i, excess);
+    const double excess = excessOf(entry, all.ids(), hasFurtherRays() ? kRayMargin : 1);
+    if (excess > 1 && hasFurtherRays()) planFurtherRays(entry.i, excess);
+    else needs_directions_ |= excess > 1;
   }
 }
 
@@ -114,14 +115,19 @@ void LineRun::measureErrors() {
   if (hasCountedPairs() && options_.by == By::polygon) return measureErrorsOfMixture();
   std::optional<FormFactors> all = sums_.formFactors();
   largest_error_ = viewpeel::largestStandardError(*all);
-  if (hasCountedPairs()) planFurther(excessOfPairs(findWantingBetweenSurfaces(*all), {}), 1);
-  else if (options_.rms)
+  if (hasCountedPairs()) {
+    const Wanting wanting = findWantingBetweenSurfaces(*all);
+    planFurther(excessOfPairs(wanting, {}), 1);
+    noteErrorsBesideLines(wanting);
+  } else if (options_.rms)
     planFurtherInTime(
         std::vector(sums_.lines->pairs().size(), measureStandardErrors(*all, 0).rms_with_zeros / *options_.rms));
   else {
     const std::vector<bool> leak_by_lines = findLeaksByLines();
-    planFurtherRaysOfLeaks(*all, leak_by_lines);
-    planFurtherInTime(excessOfPairs(findWanting(*all), findRowExcess(*all, leak_by_lines)));
+    planFurtherCountsOfLeaks(*all, leak_by_lines);
+    const Wanting wanting = findWanting(*all);
+    planFurtherInTime(excessOfPairs(wanting, findRowExcess(*all, leak_by_lines)));
+    noteErrorsBesideLines(wanting);
   }
   const bool is_large = all->entries().size() > kLargeList;
   all.reset();
@@ -187,6 +193,13 @@ void LineRun::measureErrorsOfMixture() {
   }
   if (options_.rms) planFurtherForRms(squares_of_lines, squares_of_counts);
   else planFurther(excessOfPairs(wanting, findRowExcessOfLines()), 1);
+  noteErrorsBesideLines(wanting);
+}
+
+// Notes that the goal is missed where an entry of pairs that nothing can block errs by more than the goal: no lines
+// reduce the error of its unoccluded form factor. That error is a bound, and so it may be as large as the goal.
+void LineRun::noteErrorsBesideLines(const Wanting& wanting) {
+  if (std::ranges::any_of(wanting, [](const auto& entry) { return entry.second > kErrorsInGoal; })) is_reached_ = false;
 }
 
 // Plans the next replicate of a mixture whose goal is the root mean square of all errors.

@@ -2,13 +2,16 @@
 #include <memory>
 #include <vector>
 
+#include <glm/vec3.hpp>
 #include <gtest/gtest.h>
 
+#include <viewpeel/compute.h>
 #include "engines/host_engine.h"
 #include "estimator/line_run.h"
 #include "estimator/plan_lines.h"
 #include "pair_lines/pair_lines.h"
 #include "scenes/generate.h"
+#include "scenes/named_scenes.h"
 
 namespace viewpeel {
 namespace {
@@ -32,6 +35,25 @@ TEST(LineRun, EndsAfterEightTimesTheReplicatesWhereItMissesTheGoal) {
   while (!run.isDone() && run.sums().replicateCount() < kFarTooMany * options.replicates) run.step();
   EXPECT_EQ(run.sums().replicateCount(), kTimes * options.replicates);
   EXPECT_FALSE(run.isReached());
+}
+
+// Nothing can block the two triangles, so no lines reduce the error of their form factor. A run below it says so.
+TEST(LineRun, MissesAGoalBelowTheErrorOfUnoccludedFormFactors) {
+  InputScene input{"triangles", {}, {}};
+  test_scenes::addFace(input, "low", std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0.2, 1, 0}});
+  test_scenes::addFace(input, "high", std::vector<glm::dvec3>{{0.1, 0.1, 0.5}, {0.3, 0.9, 0.4}, {0.9, 0.2, 0.7}});
+  const Scene scene = buildScene(input);
+  Request request;
+  request.promise = false;
+  request.goal = Tolerance{1e-4};
+  const Result coarse = computeFormFactors(scene, request);
+  EXPECT_TRUE(coarse.goal_reached);
+  const double error = coarse.largest_standard_error;
+  ASSERT_GT(error, 0);
+  for (const double times : {1.1, 0.9}) {
+    request.goal = Tolerance{times * error};
+    EXPECT_EQ(computeFormFactors(scene, request).goal_reached, times > 1) << times;
+  }
 }
 
 }  // namespace
