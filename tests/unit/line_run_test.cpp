@@ -37,7 +37,8 @@ TEST(LineRun, EndsAfterEightTimesTheReplicatesWhereItMissesTheGoal) {
   EXPECT_FALSE(run.isReached());
 }
 
-// Nothing can block the two triangles, so no lines reduce the error of their form factor. A run below it says so.
+// Nothing can block the two triangles, so no lines reduce the error of their form factor. A run whose goal is below
+// this error says that it misses the goal.
 TEST(LineRun, MissesAGoalBelowTheErrorOfUnoccludedFormFactors) {
   InputScene input{"triangles", {}, {}};
   test_scenes::addFace(input, "low", std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0}, {0.2, 1, 0}});

@@ -289,8 +289,8 @@ Scene panelUnderPlate(double share) {
   return buildScene(input);
 }
 
-// Of 768 rays of each polygon some 4 end on the back of the plate: all but none of these ten runs find the leak. With
-// 64 rays three in ten runs did not.
+// Of the panel's 768 rays some 4 end on the back of the plate, so that these runs find the leak. With 64 rays eight of
+// the ten promised an environment of 1.
 TEST(Promise, IsNotMadeWhereATinyPolygonLeaks) {
   const Scene scene = panelUnderPlate(5e-3);
   for (uint64_t seed = 1; seed <= 10; ++seed) {
@@ -310,9 +310,9 @@ TEST(Promise, SmallLeaksAreOfTheEnvironment) {
     request.goal = EpsilonDelta{.epsilon = 1e-2};
     const FormFactors found = computeFormFactors(panelUnderPlate(share), request).form_factors;
     const Interval leak = found.interval(kOfPanel, kLeak), environment = found.interval(kOfPanel, kEnvironment);
-    const double kSmallAngle = 2 * share;  // see panelUnderPlate()
-    EXPECT_NEAR(leak.upper, has_leak ? share : 0, kSmallAngle * share);
-    EXPECT_NEAR(environment.upper, has_leak ? 1 - share : 1, kSmallAngle * share);
+    const double small_angle = 2 * share;  // see panelUnderPlate()
+    EXPECT_NEAR(leak.upper, has_leak ? share : 0, small_angle * share);
+    EXPECT_NEAR(environment.upper, has_leak ? 1 - share : 1, small_angle * share);
   }
 }
 
