@@ -181,7 +181,8 @@ OutsideShares FormFactorRun::State::castSurvey(double least_rays, double further
   return shares;
 }
 
-// Looks for leaks by as many rays as a guarantee needs: more where it has the environment of rows in it.
+// Surveys what leaks for a guarantee. It takes more rays where the guarantee covers each row's environment, for the
+// environment's interval includes leaks that were missed.
 //   Out: as castSurvey()
 void FormFactorRun::State::surveyLeaks(const EpsilonDelta& goal) {
   if (!maySurvey()) return;
@@ -218,7 +219,7 @@ std::string FormFactorRun::State::makePairLines() {
   plan.emplace();
   line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
   surveyOutside();
-  // Backs are sampled only where a row loses a share that matters.
+  // Pairs with backs get lines only where a row leaks a share that matters at the goal.
   const double least_share = setup.guarantee() ? kGrazedPart * setup.guarantee()->epsilon
                                                : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak = leaked_share > least_share && !(setup.leastFormFactor() > 0);

@@ -12,8 +12,8 @@ constexpr size_t kMostUnoccludedFaces = 20'000;       // above this, counts of b
 constexpr size_t kMostPairLineFaces = 8'000;          // above this, a plan estimates whether finding all pairs pays
 constexpr double kCoarseTolerance = 0.02;             // above this, large open scenes without rays have no pair lines
 constexpr double kPromiseDelta = 0.01;                // probability that a promised tolerance fails
-// A guarantee allows that this part of its bound of each row ends on backs, because lines that graze an edge may do so
-// by rounding. The environment's interval includes this leak.
+// A guarantee within E counts a leak of up to this part of E as environment: lines that graze an edge may end on backs
+// by rounding.
 constexpr double kGrazedPart = 0.1;
 // A run whose goal is a time takes a tolerance from this range.
 constexpr double kCoarsestTimed = 0.25, kFinestTimed = 1e-6;

@@ -37,9 +37,9 @@ struct EdgeSum {
   // Each point of an edge p is this far along the edge q from its start, and back from its end, and this far from the
   // line of q. The weight is that of the inner integral in the value.
   std::array<double, kMostPoints> along, rest, distance, weight;
-  size_t count = 0;  // of points that are not in value and errors yet
+  size_t count = 0;  // of points whose integrals are still to be added
 
-  // Moves the points into value and errors.
+  // Adds the integrals at the points to value, error and rounding, and forgets the points.
   void evaluate();
 };
 

@@ -302,7 +302,7 @@ TEST(Promise, IsNotMadeWhereATinyPolygonLeaks) {
   }
 }
 
-// A leak above a tenth of epsilon has an interval. A smaller one is a part of the environment.
+// A row that leaks more than a tenth of epsilon has an interval for its leak. A smaller leak counts as environment.
 TEST(Promise, SmallLeaksAreOfTheEnvironment) {
   constexpr uint32_t kOfPanel = 1;
   for (const auto& [share, has_leak] : {std::pair(2e-2, true), std::pair(2e-4, false)}) {

@@ -288,8 +288,8 @@ TEST(SurveyOutside, AllFacesOfALeakingSurfaceHaveLinesToBacks) {
 }
 
 // Returns a box without a lid, of 8 x 8 tiles a wall, seen from inside. One wall has a square hole. Behind the hole
-// stands a plate that shows its back. The tile that faces the hole leaks most, less than the hole's area over pi: 8e-4
-// by default.
+// stands a plate that shows its back. The tile that faces the hole leaks most: at most the hole's area over pi, which
+// is 8e-4 by default.
 InputScene boxWithLeak(double hole = 0.05) {
   const double low = 0.5 - hole / 2, high = 0.5 + hole / 2;
   InputScene input;
