@@ -19,11 +19,58 @@ namespace viewpeel {
 
 constexpr int kLineLanes = 16, kBlockerLanes = 8;
 
+// Sanitizers check each piece of each operation, so that compilers take minutes over the small pieces of three kinds of
+// processors. Under sanitizers there is one kind, with the largest pieces and the same bits.
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define VIEWPEEL_LANES_OF_ONE_KIND
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define VIEWPEEL_LANES_OF_ONE_KIND
+#endif
+#endif
+
+// Where this is defined, functions that are inlined into code for wide vectors may name its instructions. Clang wants
+// them named within such code alone.
+#if defined(__x86_64__) && !defined(__clang__) && !defined(VIEWPEEL_LANES_OF_ONE_KIND)
+#define VIEWPEEL_NAMES_INSTRUCTIONS
+#endif
+
+#ifdef VIEWPEEL_NAMES_INSTRUCTIONS
+// Returns a piece of more than 16 bytes that holds the first of these numbers in all lanes.
+template <class Piece, class Few>
+VIEWPEEL_INLINE Piece repeatFirst(const Few& numbers) {
+  constexpr bool kIsDouble = sizeof(numbers[0]) == sizeof(double);
+  if constexpr (sizeof(Piece) == 64 && kIsDouble) return __builtin_ia32_broadcastsd512(numbers, Piece{}, 0xff);
+  else if constexpr (sizeof(Piece) == 64) return __builtin_ia32_broadcastss512(numbers, Piece{}, 0xffff);
+  else if constexpr (kIsDouble) return __builtin_ia32_vbroadcastsd_pd256(numbers);
+  else return __builtin_ia32_vbroadcastss_ps256(numbers);
+}
+#endif
+
+// Returns a piece that holds x in all lanes. GCC makes a shuffle of it, in two instructions where x is no constant. A
+// list {x, x, ...} it lowers to single lanes (tree-vect-generic.cc) before the function is inlined into code for wide
+// vectors.
+template <class Piece, class Number>
+VIEWPEEL_INLINE Piece broadcast(Number x) {
+#ifdef VIEWPEEL_NAMES_INSTRUCTIONS
+  if constexpr (std::is_floating_point_v<Number> && sizeof(Piece) > 16) {
+    typedef Number Few __attribute__((vector_size(16)));
+    if (!__builtin_constant_p(x)) return repeatFirst<Piece>(Few{x});
+  }
+#endif
+  const Piece first{x};
+  return [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
+    return __builtin_shufflevector(first, first, (0 * k)...);
+  }
+  (std::make_integer_sequence<int, int(sizeof(Piece) / sizeof(Number))>{});
+}
+
 // Lanes are kept in pieces as large as the processor's vectors. GCC splits comparisons of larger vectors into single
 // lanes (tree-vect-generic.cc, expand_vector_condition).    Template: kBytes: of a piece
 template <class Number, int kLanes, int kBytes>
 struct LanesOf {
   static constexpr int kInPiece = kBytes / int(sizeof(Number)), kPieces = kLanes / kInPiece;
+  static constexpr uint32_t kAllBits = (1u << kLanes) - 1;    // a bit for each lane
   typedef Number Piece __attribute__((vector_size(kBytes)));  // GCC takes no such attribute of an alias
   typedef Number StoredPiece __attribute__((vector_size(kBytes), aligned(sizeof(Number)), may_alias));
   static constexpr bool kIsDouble = sizeof(Number) == sizeof(double);
@@ -33,14 +80,9 @@ struct LanesOf {
   Piece of[kPieces] = {};
 
   LanesOf() = default;
-  // Makes lanes that all hold x. GCC turns a shuffle into one broadcast. A list {x, x, ...} it lowers to single lanes
-  // (tree-vect-generic.cc) before the function is inlined into code for wide vectors.
+  // Makes lanes that all hold x.
   VIEWPEEL_INLINE LanesOf(Number x) {
-    const Piece first{x};
-    const Piece all = [&]<int... k>(std::integer_sequence<int, k...>) __attribute__((always_inline)) {
-      return __builtin_shufflevector(first, first, (0 * k)...);
-    }
-    (std::make_integer_sequence<int, kInPiece>{});
+    const auto all = broadcast<Piece>(x);
     for (Piece& piece : of) piece = all;
   }
   // Makes lanes whose piece k is piece_of(k).
@@ -106,16 +148,6 @@ struct LaneTypes {
   using Doubles = LanesOf<double, kBlockerLanes, kBytes>;
 };
 
-// Sanitizers check each piece of each operation, so that compilers take minutes over the small pieces of three kinds of
-// processors. Under sanitizers there is one kind, with the largest pieces and the same bits.
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define VIEWPEEL_LANES_OF_ONE_KIND
-#elif defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define VIEWPEEL_LANES_OF_ONE_KIND
-#endif
-#endif
-
 #if defined(__x86_64__) && !defined(VIEWPEEL_LANES_OF_ONE_KIND)
 template <class Work>
 [[gnu::target("avx2")]] void runInLanesOfAvx2(const Work& work) {
@@ -167,20 +199,49 @@ VIEWPEEL_INLINE Number sizeOf(const Number& x) {
   return ifBelow(x, Number{}, -x, x);
 }
 
-// Returns a word with bit k set where lane k is at most the limit, and a number.
-template <class Doubles>
-VIEWPEEL_INLINE uint32_t bitsAtMost(const Doubles& x, double limit) {
-  constexpr int kInPiece = Doubles::kInPiece;
-  using Bits = typename LanesOf<int64_t, kBlockerLanes, int(sizeof(typename Doubles::Piece))>::Piece;
-  Bits all{};
-  for (int piece = 0; piece < Doubles::kPieces; ++piece) {
-    Bits of_lanes;
-    for (int k = 0; k < kInPiece; ++k) of_lanes[k] = 1 << (piece * kInPiece + k);
-    all |= (Bits)(x.of[piece] <= limit) & of_lanes;
+// Returns a word with bit k set where lane k of a is at most lane k of b, of one piece.
+template <class Piece>
+VIEWPEEL_INLINE uint32_t bitsAtMostOfPiece(const Piece& a, const Piece& b) {
+#ifdef VIEWPEEL_NAMES_INSTRUCTIONS
+  constexpr bool kIsDouble = sizeof(a[0]) == sizeof(double);
+  if constexpr (sizeof(Piece) == 64) {
+    constexpr int kAtMost = 18, kThisRounding = 4;  // codes of the instruction
+    if constexpr (kIsDouble) return __builtin_ia32_cmppd512_mask(a, b, kAtMost, 0xff, kThisRounding);
+    else return __builtin_ia32_cmpps512_mask(a, b, kAtMost, 0xffff, kThisRounding);
+  } else {
+    const auto at_most = (Piece)(a <= b);
+    if constexpr (sizeof(Piece) == 32 && kIsDouble) return static_cast<uint32_t>(__builtin_ia32_movmskpd256(at_most));
+    else if constexpr (sizeof(Piece) == 32) return static_cast<uint32_t>(__builtin_ia32_movmskps256(at_most));
+    else if constexpr (kIsDouble) return static_cast<uint32_t>(__builtin_ia32_movmskpd(at_most));
+    else return static_cast<uint32_t>(__builtin_ia32_movmskps(at_most));
   }
-  int64_t bits = 0;
-  for (int k = 0; k < kInPiece; ++k) bits |= all[k];
-  return static_cast<uint32_t>(bits);
+#else
+  constexpr int kLanes = int(sizeof(Piece) / sizeof(a[0]));
+  uint32_t bits = 0;
+  const auto at_most = a <= b;
+  for (int k = 0; k < kLanes; ++k) bits |= (static_cast<uint32_t>(at_most[k]) & 1u) << k;
+  return bits;
+#endif
+}
+// The same of all lanes.
+template <class Lanes>
+VIEWPEEL_INLINE uint32_t bitsAtMost(const Lanes& a, const Lanes& b) {
+  uint32_t bits = 0;
+  for (int k = 0; k < Lanes::kPieces; ++k) bits |= bitsAtMostOfPiece(a.of[k], b.of[k]) << k * Lanes::kInPiece;
+  return bits;
+}
+// Return whether a is at most b in all lanes or in any lane, or below b in any lane.
+template <class Lanes>
+VIEWPEEL_INLINE bool areAllAtMost(const Lanes& a, const Lanes& b) {
+  return bitsAtMost(a, b) == Lanes::kAllBits;
+}
+template <class Lanes>
+VIEWPEEL_INLINE bool isAnyAtMost(const Lanes& a, const Lanes& b) {
+  return bitsAtMost(a, b) != 0;
+}
+template <class Lanes>
+VIEWPEEL_INLINE bool isAnyBelow(const Lanes& a, const Lanes& b) {
+  return !areAllAtMost(b, a);
 }
 
 // Returns the sum of all lanes. It adds lanes 8 apart first, then 4, 2 and 1, as the shaders do.
@@ -223,30 +284,6 @@ VIEWPEEL_INLINE typename Words::Floats numberOf(const Words& bits) {
   return Floats::make([&](int k) __attribute__((always_inline)) { return (typename Floats::Piece)bits.of[k]; });
 }
 VIEWPEEL_INLINE float numberOf(uint32_t bits) { return std::bit_cast<float>(bits); }
-
-// Returns whether any bit of a piece is set. Halves are joined, for GCC takes a larger vector apart word by word.
-template <class Piece>
-VIEWPEEL_INLINE bool isAnyBit(const Piece& piece) {
-  constexpr int kHalf = int(sizeof(Piece)) / 2;
-  if constexpr (kHalf > 8) {
-    using Half = typename LanesOf<uint64_t, kHalf / 8, kHalf>::Piece;
-    Half halves[2];
-    std::memcpy(halves, &piece, sizeof piece);
-    const Half both = halves[0] | halves[1];
-    return isAnyBit(both);
-  } else {
-    uint64_t halves[2];
-    std::memcpy(halves, &piece, sizeof piece);
-    return (halves[0] | halves[1]) != 0;
-  }
-}
-// Returns whether any lane is not 0.
-template <class Floats>
-VIEWPEEL_INLINE bool isAny(const Floats& x) {
-  auto all = bitsOf(x).of[0];
-  for (int k = 1; k < Floats::kPieces; ++k) all |= bitsOf(x).of[k];
-  return isAnyBit(all);
-}
 
 // Returns x where the sign of y is plus, and -x where it is minus.
 template <class Floats>

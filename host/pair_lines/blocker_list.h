@@ -11,9 +11,6 @@
 
 namespace viewpeel {
 
-// Bits of eight lanes, all set.
-constexpr uint32_t kAllBlockerLanes = (1u << kBlockerLanes) - 1;
-
 class BlockerList {
  public:
   // A Group has the boxes of eight blockers; the last group's places after the end are empty boxes beyond everything.
@@ -81,7 +78,7 @@ VIEWPEEL_INLINE void forEachOnLine(const BlockerList& list, const glm::dvec3& p,
                     other = (load<Doubles>(group.bounds[3 + axis]) - p[axis]) * per_length[axis];
       enters = greatest(enters, least(one, other)), leaves = least(leaves, greatest(one, other));
     }
-    for (uint32_t met = bitsAtMost(enters - leaves, touching); met; met &= met - 1) {
+    for (uint32_t met = bitsAtMost<Doubles>(enters - leaves, touching); met; met &= met - 1) {
       const uint32_t index = group.indices[std::countr_zero(met)];
       if (index != UINT32_MAX && is_last(index)) return;
     }

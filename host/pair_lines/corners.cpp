@@ -36,8 +36,12 @@ template <class Doubles>
   for (int axis = 0; axis < 3; ++axis)
     first[axis] = load<Doubles>(first_[axis]), second[axis] = load<Doubles>(second_[axis]);
   const Doubles from = heightsOverPlane(first, blocker), to = heightsOverPlane(second, blocker);
-  const auto isAbove = [](const Doubles& heights) { return bitsAtMost(heights, kInPlane) == 0; };
-  const auto isBelow = [](const Doubles& heights) { return bitsAtMost(heights, -kInPlane) == kAllBlockerLanes; };
+  const auto isAbove = [](const Doubles& heights) __attribute__((always_inline)) {
+    return !isAnyAtMost<Doubles>(heights, kInPlane);
+  };
+  const auto isBelow = [](const Doubles& heights) __attribute__((always_inline)) {
+    return areAllAtMost<Doubles>(heights, -kInPlane);
+  };
   const bool is_between = (isAbove(from) && isBelow(to)) || (isBelow(from) && isAbove(to));
   if (!is_between) return false;
   for (int i = 0; i < count_; ++i) {
@@ -49,7 +53,7 @@ template <class Doubles>
       const dvec3& m = blocker.edge_normals[e];
       beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
     }
-    if (bitsAtMost(beyond, 0) != kAllBlockerLanes) return false;
+    if (!areAllAtMost<Doubles>(beyond, 0)) return false;
   }
   return true;
 }

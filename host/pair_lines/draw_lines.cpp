@@ -297,7 +297,7 @@ template <class Types>
     Floats seen = weight;
     for (size_t k = 0; k < obstacles_.size(); ++k) {
       seen = ifAtMost(passing(obstacles_[k], lines), Floats{}, Floats{}, seen);
-      if (k % 4 == 3 && !isAny(seen)) break;
+      if (k % 4 == 3 && !isAnyBelow(Floats{}, seen)) break;
     }
     facing += seen;
     // Only the sums of one portion are in single precision, so their rounding stays small. Sums of portions are added

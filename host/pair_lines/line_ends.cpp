@@ -56,6 +56,7 @@ std::vector<Obstacle<Number>> makeObstacles(const std::vector<Blocker>& blockers
                                             std::span<const PlacedBlocker> between, const dvec3& origin,
                                             bool is_swapped) {
   std::vector<Obstacle<Number>> obstacles;
+  obstacles.reserve(between.size());
   for (const PlacedBlocker& placed : between) {
     const Blocker& blocker = blockers[placed.blocker];
     Obstacle<Number>& obstacle = obstacles.emplace_back();

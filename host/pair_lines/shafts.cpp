@@ -30,7 +30,7 @@ struct Sides {
 
 template <class Doubles>
 VIEWPEEL_INLINE Sides sidesOf(const Doubles& heights) {
-  return {bitsAtMost(-heights, -kTouchingShaft), bitsAtMost(heights, -kTouchingShaft)};
+  return {bitsAtMost<Doubles>(-heights, -kTouchingShaft), bitsAtMost<Doubles>(heights, -kTouchingShaft)};
 }
 
 // A Tangent is a plane through an edge of a patch. The patch lies on its inner side, and so do all points of the other
@@ -146,7 +146,7 @@ template <class Doubles>
                               plane.normal[2] * load<Doubles>(group.bounds[plane.bounds[2]]) - plane.offset;
       outside = greatest(outside, nearest);
     }
-    for (uint32_t inside = bitsAtMost(outside, -kTouchingShaft); inside; inside &= inside - 1)
+    for (uint32_t inside = bitsAtMost<Doubles>(outside, -kTouchingShaft); inside; inside &= inside - 1)
       to.add(group, std::countr_zero(inside));
   }
 }
@@ -196,7 +196,7 @@ template <class Doubles>
                              load<Doubles>(z + at) * corner.z + load<Doubles>(w + at);
       nearest[half] = least(nearest[half], beyond);
     }
-  return bitsAtMost(greatest(nearest[0], nearest[1]), -kTouchingShaft) != kAllBlockerLanes;
+  return !areAllAtMost<Doubles>(greatest(nearest[0], nearest[1]), -kTouchingShaft);
 }
 
 template <class Doubles>
@@ -226,7 +226,7 @@ template <class Doubles>
                          m.z * (p[2] + t * (corners[2] - p[2])) - blocker.edge_offsets[e];
       beyond = greatest(beyond, at);
     }
-    if ((bitsAtMost(beyond, kTouchingShaft) & kLanesOfB) != kLanesOfB) return false;
+    if ((bitsAtMost<Doubles>(beyond, kTouchingShaft) & kLanesOfB) != kLanesOfB) return false;
   }
   return true;
 }
@@ -270,7 +270,7 @@ template <class Doubles>
       outside = greatest(outside, planes_[0][p] * load<Doubles>(group.bounds[bounds[0][p]]) +
                                       planes_[1][p] * load<Doubles>(group.bounds[bounds[1][p]]) +
                                       planes_[2][p] * load<Doubles>(group.bounds[bounds[2][p]]) + planes_[3][p]);
-    for (uint32_t inside = bitsAtMost(outside, -kTouchingShaft); inside; inside &= inside - 1) {
+    for (uint32_t inside = bitsAtMost<Doubles>(outside, -kTouchingShaft); inside; inside &= inside - 1) {
       const uint32_t index = group.indices[std::countr_zero(inside)];
       const Blocker& blocker = blockers[index];
       if (blocker.plane == a_.plane || blocker.plane == b_.plane) continue;
@@ -309,7 +309,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
         using Doubles = typename Types::Doubles;
         Doubles p[3], q[3];
         for (int axis = 0; axis < 3; ++axis) p[axis] = load<Doubles>(starts[axis]), q[axis] = load<Doubles>(ends[axis]);
-        uint32_t free = kAllBlockerLanes;  // lines on which no blocker lies so far
+        uint32_t free = Doubles::kAllBits;  // lines on which no blocker lies so far
         for (const uint32_t index : between) {
           const Blocker& blocker = blockers[index];
           const Doubles from = heightsOverPlane(p, blocker), to = heightsOverPlane(q, blocker), t = from / (from - to);
@@ -319,7 +319,7 @@ bool PatchShaft::areLinesBlocked(const std::vector<Blocker>& blockers, std::span
             const dvec3& m = blocker.edge_normals[e];
             beyond = greatest(beyond, m.x * x + m.y * y + m.z * z - blocker.edge_offsets[e]);
           }
-          free &= ~bitsAtMost(beyond, kTouchingShaft);
+          free &= ~bitsAtMost<Doubles>(beyond, kTouchingShaft);
           if (free == 0) break;
         }
         are_blocked = free == 0;

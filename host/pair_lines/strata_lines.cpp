@@ -97,20 +97,20 @@ template <class Floats, class Words>
   const Floats one = 1.0f, none{}, is_line = ifBelow(none, line.inside, one, none);
   // A line is blocked if one blocker surely blocks it, and facing if it surely passes all.
   Floats passed = one, blocked = one, worst = line.outside;
-  if (isAny(ifBelow(worst, none, none, one)))
+  if (isAnyAtMost(none, worst))
     for (size_t k = 0; k < fast_.obstacles.size(); ++k) {
       Floats error;
       const Floats x = passing(fast_.obstacles[k], fast_, line, error);
       passed = least(passed, x - error), blocked = least(blocked, x + error);
       worst = least(worst, blocked);
-      if (k % 4 == 3 && !isAny(ifBelow(worst, none, none, one))) break;
+      if (k % 4 == 3 && !isAnyAtMost(none, worst)) break;
     }
   const Floats is_facing = ifBelow(none, passed, is_line, none), is_blocked = ifBelow(blocked, none, is_line, none),
                is_decided = ifBelow(line.outside, none, one, greatest(is_facing, is_blocked)),
                weight = least(greatest(line.weight, none), one);
   StrataLines<Floats> lines;
   lines.low = lines.high = is_line * weight * (is_facing - share);
-  if (!isAny(one - is_decided)) return lines;
+  if (!isAnyBelow(is_decided, one)) return lines;
   for (int lane = 0; lane < kLineLanes; ++lane) {
     if (is_decided[lane] > 0) continue;
     uint32_t of_lane[kNumbers] = {};

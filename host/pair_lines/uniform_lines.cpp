@@ -252,11 +252,11 @@ template <class Floats>
     Floats error;
     const Floats x = passing(fast_.obstacles[k], fast_, line, error);
     passed = least(passed, x - error), blocked = least(blocked, x + error);
-    if (k % 4 == 3 && !isAny(ifBelow(blocked, none, none, one))) break;
+    if (k % 4 == 3 && !isAnyAtMost(none, blocked)) break;
   }
   const Floats is_line = ifBelow(none, line.inside, one, none), is_facing = ifBelow(none, passed, is_line, none),
                is_decided = ifBelow(blocked, none, is_line, is_facing);
-  if (here == kLineLanes && !isAny(one - is_decided) && sum.lines + kLineLanes <= lines) {
+  if (here == kLineLanes && !isAnyBelow(is_decided, one) && sum.lines + kLineLanes <= lines) {
     sum.lines += kLineLanes, sum.facing += static_cast<uint64_t>(sumOf(is_facing));
     return;
   }

@@ -159,7 +159,7 @@ VIEWPEEL_INLINE void RayTree::meet(Rays<Floats>& rays) const {
   const Rays<Floats> before = rays;
   meetAll(rays, false);
   // Few rays meet something at a distance below 0, which takes heights to decide.
-  if (isAny(least(rays.distance, Floats{}))) [[unlikely]] {
+  if (isAnyBelow(rays.distance, Floats{})) [[unlikely]] {
     rays = before;
     meetAll(rays, true);
   }
@@ -186,7 +186,7 @@ VIEWPEEL_INLINE void RayTree::meetAll(Rays<Floats>& rays, bool with_heights) con
                  z0 = (node.low[2] - from.z) * inverses.z, z1 = (node.high[2] - from.z) * inverses.z;
     const Floats enter = greatest(greatest(least(x0, x1), least(y0, y1)), greatest(least(z0, z1), none)),
                  leave = least(least(greatest(x0, x1), greatest(y0, y1)), least(greatest(z0, z1), rays.distance));
-    if (!isAny(ifAtMost(enter, leave, one, none))) continue;
+    if (!isAnyAtMost(enter, leave)) continue;
     for (uint32_t k = node.first; k < node.first + node.facets; ++k) meetFacet(rays, k, with_heights);
     if (node.facets > 0) continue;
     const uint32_t nearer = runs_back[node.axis] ? 1 : 0;

@@ -217,7 +217,7 @@ TEST(DrawLines, AnglesOfTouchingSquaresPastABlocker) {
 
 // Compares lanes with scalars.
 template <class Types>
-void compareLanes(float x) {
+VIEWPEEL_INLINE void compareLanes(float x) {
   using Floats = typename Types::Floats;
   EXPECT_EQ(reciprocal(Floats(x))[5], reciprocal(x));
   EXPECT_EQ(inverseRoot(Floats(x))[11], inverseRoot(x));
@@ -237,8 +237,23 @@ void compareLanes(float x) {
     EXPECT_EQ(wholeOf(sizes + 0.75f)[k], float(k));
     EXPECT_EQ(floatsOf(typename Types::Words(7u) << 2)[k], 28.0f);
   }
-  EXPECT_TRUE(isAny(loaded));
-  EXPECT_FALSE(isAny(Floats{}));
+  EXPECT_EQ(bitsAtMost(loaded, Floats(-11)), 0b1010'1000'0000'0000u);
+  for (int k = 0; k < kLineLanes; ++k) {
+    Floats others = 2;
+    others.set(k, 1);
+    const Floats ones = 1;
+    EXPECT_EQ(bitsAtMost(others, ones), 1u << k);
+    EXPECT_TRUE(isAnyAtMost(others, ones) && isAnyBelow(ones, others) && areAllAtMost(ones, others));
+    EXPECT_FALSE(isAnyAtMost(Floats(2), ones) || isAnyBelow(others, ones) || areAllAtMost(others, ones));
+  }
+  using Doubles = typename Types::Doubles;
+  for (int k = 0; k < kBlockerLanes; ++k) {
+    Doubles others = 1 + 0x1p-52;
+    others.set(k, 1);
+    EXPECT_EQ(bitsAtMost<Doubles>(others, 1), 1u << k);
+    EXPECT_FALSE(areAllAtMost<Doubles>(others, 1));
+    EXPECT_TRUE(areAllAtMost<Doubles>(1, others));
+  }
 }
 
 // The first guesses are off by 0.13 (reciprocal) and 0.035 (root). Three of Newton's steps leave 3e-7, rounding
@@ -252,9 +267,10 @@ TEST(Lanes, ReciprocalsAndRootsAreTo3e7) {
     EXPECT_NEAR(double(reciprocal(x)) * double(x), 1, 3e-7) << x;
     EXPECT_NEAR(double(inverseRoot(x)) * std::sqrt(double(x)), 1, 3e-7) << x;
     if (trial % 100) continue;
-    compareLanes<LaneTypes<16>>(x);
-    compareLanes<LaneTypes<32>>(x);
-    compareLanes<LaneTypes<64>>(x);
+    for (const Vectors vectors : {Vectors::plain, Vectors::avx2, Vectors::avx512})
+      if (vectors <= widestVectors())
+        runInLanes(
+            vectors, [&]<class Types>(Types) __attribute__((always_inline)) { compareLanes<Types>(x); });
   }
 }
 
