@@ -31,7 +31,7 @@ Emitter makeEmitter(const Scene& scene, uint32_t index, bool from_front, const P
   if (polygon.corner_count == 4)
     emitter.first_share = static_cast<float>(glm::length(glm::cross(c[1] - c[0], c[2] - c[0])) / (2 * polygon.area));
   std::vector<std::pair<int, uint32_t>> covers;
-  near.forEachNear(index, 0, [&](uint32_t other) {
+  near.forEachNear(index, kCoincidenceReach, [&](uint32_t other) {
     const int steps =
         (levelOf(scene.polygons[other]) - levelOf(polygon)) * (polygon.front_along_plane_normal == from_front ? 1 : -1);
     if (scene.polygons[other].plane == polygon.plane && steps > 0) covers.emplace_back(steps, other);
