@@ -12,6 +12,7 @@
 #include "engines/pair_table.h"
 #include "engines/sweep.h"
 #include "engines/work.h"
+#include "scene/interpenetration.h"
 #include <viewpeel/error.h>
 #include "threads.h"
 
@@ -160,8 +161,8 @@ constexpr int kLeastResolution = 64;
 
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior) {
   const double least_area = *std::min_element(ids.areas.begin(), ids.areas.end()) / (scene.scale * scene.scale);
-  return scene.polygons.size() <= (has_prior ? kScanlinePolygonsWithPrior : kScanlinePolygons) &&
-                 least_area > kScanlineArea
+  const bool are_few = scene.polygons.size() <= (has_prior ? kScanlinePolygonsWithPrior : kScanlinePolygons);
+  return are_few && least_area > kScanlineArea && findInterpenetrations(scene, kCrossingDepth).empty()
              ? Sampling::scanline
              : Sampling::lattice;
 }

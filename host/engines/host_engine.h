@@ -20,7 +20,7 @@ std::unique_ptr<Engine> makeHostEngine(const Scene& scene, const Ids& ids, const
 // Chooses the samples that give the smaller error after the same time (bench/programs/sampling_error.cpp). Scanlines do
 // in scenes of few polygons. Lattice points do in scenes of many polygons, which are so small that a scanline is worth
 // few points. Where a row's area is below 1e-10 lattice points are chosen, too, for windows of scanlines cannot be as
-// fine.
+// fine. So they are where polygons pass through each other, for scanlines cannot order these.
 //   In: has_prior: whether unoccluded form factors by polygon are at hand (VisibilitySums); scanlines then pay in
 //     scenes of more polygons
 Sampling chooseSampling(const Scene& scene, const Ids& ids, bool has_prior);

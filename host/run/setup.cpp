@@ -232,15 +232,15 @@ void Setup::chooseEngine() {
     engine_ = names_device || hasGpu() ? EngineKind::compute : EngineKind::host;
   }
   const bool has_prior = unoccluded_ && request_.by == By::polygon;
-  lattice_.sampling = request_.sampling.value_or(engine_ == EngineKind::host ? chooseSampling(scene_, ids_, has_prior)
-                                                                             : Sampling::lattice);
+  if (!request_.sampling) {
+    lattice_.sampling = engine_ == EngineKind::host ? chooseSampling(scene_, ids_, has_prior) : Sampling::lattice;
+    return;
+  }
+  lattice_.sampling = *request_.sampling;
   if (lattice_.sampling != Sampling::scanline) return;
-  const std::vector<Interpenetration> crossings = findInterpenetrations(scene_, kCrossingDepth);
-  if (crossings.empty()) return;
-  if (request_.sampling)
+  if (const std::vector<Interpenetration> crossings = findInterpenetrations(scene_, kCrossingDepth); !crossings.empty())
     throw Error(ErrorCode::bad_usage,
                 describe(scene_, crossings.front()) + ", and scanlines cannot order them; say --sampling lattice");
-  lattice_.sampling = Sampling::lattice;
 }
 
 void Setup::requireWhatEnginesHave() const {
