@@ -29,8 +29,8 @@ constexpr int kLineLanes = 16, kBlockerLanes = 8;
 #endif
 #endif
 
-// Where this is defined, functions that are inlined into code for wide vectors may name its instructions. Clang wants
-// them named within such code alone.
+// Where this is defined, functions that are inlined into code for wide vectors name some of its instructions. Clang
+// takes such names only in functions that are themselves compiled for wide vectors.
 #if defined(__x86_64__) && !defined(__clang__) && !defined(VIEWPEEL_LANES_OF_ONE_KIND)
 #define VIEWPEEL_NAMES_INSTRUCTIONS
 #endif
@@ -47,9 +47,8 @@ VIEWPEEL_INLINE Piece repeatFirst(const Few& numbers) {
 }
 #endif
 
-// Returns a piece that holds x in all lanes. GCC makes a shuffle of it, in two instructions where x is no constant. A
-// list {x, x, ...} it lowers to single lanes (tree-vect-generic.cc) before the function is inlined into code for wide
-// vectors.
+// Returns a piece that holds x in all lanes. Where x is no constant, GCC takes two instructions for a shuffle. It lowers
+// a list {x, x, ...} to single lanes (tree-vect-generic.cc) before the function is inlined into code for wide vectors.
 template <class Piece, class Number>
 VIEWPEEL_INLINE Piece broadcast(Number x) {
 #ifdef VIEWPEEL_NAMES_INSTRUCTIONS

@@ -68,7 +68,8 @@ class LineRun {
   double secondsLeft() const { return options_.seconds ? *options_.seconds - secondsSince(start_) : INFINITY; }
   double secondsOfNext() const;
   bool mayGoOn() const;
-  double excessOf(const FormFactors::Entry& entry, const Ids& ids, double margin = 1) const;
+  double excessOf(const FormFactors::Entry& entry, const Ids& ids) const;
+  double excessOfCounts(const FormFactors::Entry& entry, const Ids& ids) const;
   double furtherLines() const;
   size_t replicatesAhead() const;
   // Only rows whose environment or leak, by rays, misses the goal get rays after the planned replicates. All rows do

@@ -31,11 +31,16 @@ constexpr double kMostFurtherRays = 16;
 
 }  // namespace
 
-// Returns an entry's error over the error that the goals allow.    In: margin: kRayMargin where rays alone count it
-double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids, double margin) const {
+// Returns an entry's error over the error that the goals allow.
+double LineRun::excessOf(const FormFactors::Entry& entry, const Ids& ids) const {
   const double area = ids.smallerArea(entry.i, entry.j),
-               error = margin * errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
+               error = errors_in_goal_.of(entry.j) * entry.exchange_area.standard_error;
   return error / (options_.allowedError(entry.exchange_area.value / area) * area);
+}
+
+// The same of an entry that rays or common directions count, not lines.
+double LineRun::excessOfCounts(const FormFactors::Entry& entry, const Ids& ids) const {
+  return (hasFurtherRays() ? kRayMargin : 1) * excessOf(entry, ids);
 }
 
 // Returns by row whether lines, and not common directions or rays, say what ends on backs.
@@ -104,7 +109,7 @@ void LineRun::planFurtherCountsOfLeaks(const FormFactors& all, const std::vector
   further_rays_.assign(all.ids().count(), 0);
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kLeak || leak_by_lines[entry.i]) continue;
-    const double excess = excessOf(entry, all.ids(), hasFurtherRays() ? kRayMargin : 1);
+    const double excess = excessOfCounts(entry, all.ids());
     if (excess > 1 && hasFurtherRays()) planFurtherRays(entry.i, excess);
     else needs_directions_ |= excess > 1;
   }
@@ -177,7 +182,7 @@ void LineRun::measureErrorsOfMixture() {
       [&](size_t slice, size_t, const FormFactors::Entry& entry) {
         noteError(found[slice], found[slice].squares_of_counts, entry);
         if (entry.j < kEnvironment) return;
-        const double excess = excessOf(entry, ids, hasFurtherRays() ? kRayMargin : 1);
+        const double excess = excessOfCounts(entry, ids);
         if (excess > 1) found[slice].rows.emplace_back(entry.i, excess);
       });
   largest_error_ = 0;
