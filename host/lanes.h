@@ -47,8 +47,9 @@ VIEWPEEL_INLINE Piece repeatFirst(const Few& numbers) {
 }
 #endif
 
-// Returns a piece that holds x in all lanes. Where x is no constant, GCC takes two instructions for a shuffle. It lowers
-// a list {x, x, ...} to single lanes (tree-vect-generic.cc) before the function is inlined into code for wide vectors.
+// Returns a piece that holds x in all lanes. Where x is no constant, GCC takes two instructions for a shuffle. A list
+// {x, x, ...} it lowers to single lanes (tree-vect-generic.cc) before the function is inlined into code for wide
+// vectors.
 template <class Piece, class Number>
 VIEWPEEL_INLINE Piece broadcast(Number x) {
 #ifdef VIEWPEEL_NAMES_INSTRUCTIONS
