@@ -68,6 +68,16 @@ void printJson(const SolveCommand& command, const MatrixFreeHeat& found) {
   printReport(std::move(report));
 }
 
+// Warns of a row that directions hardly met. Its stated errors come from the few lines that met it, or are 0.
+void warnOfLack(const HeatSolution& found) {
+  constexpr double kMostLack = 0.5;
+  if (std::abs(found.largest_lack) <= kMostLack) return;
+  warn(fmt::format(
+      "directions hardly met {}: its row sum differs from 1 by {:.2g}, and its answers may err by more than "
+      "they state; give a finer --tolerance, or take --matrix-free off",
+      found.lacking_row, std::abs(found.largest_lack)));
+}
+
 }  // namespace
 
 void checkMatrixFree(const SolveCommand& command, const MaterialTable& table) {
@@ -115,6 +125,7 @@ int solveWithoutMatrix(const SolveCommand& command, const MaterialTable& table, 
   endByItself();
   progress.clear();
   warnOfEnvironment(table, found.heat);
+  warnOfLack(found.heat);
   const FormFactors rows(makeIds(scene, request.by, request.two_sided), {}, {});
   writeHeatOutputs({.form_factors = rows, .scene = &scene, .heat = &found.heat, .has_heat_alone = true},
                    command.request.by, command.outputs);

@@ -253,6 +253,20 @@ assert cells.GetArray('row_sum') is None and cells.GetArray('environment') is No
   EXPECT_EQ(judged.status, 0) << judged.output;
 }
 
+// Without a matrix no line may meet a speck. Its heat flux is then 0 +- 0, which a warning says.
+TEST_F(SolveProgram, WithoutAMatrixAWarningNamesTheRowThatNoLineMet) {
+  const std::string plate = "o plate\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nf 1 2 3 4\n",
+                    speck = "o speck\nv 5 5 1\nv 5 5.0001 1\nv 5.0001 5.0001 1\nv 5.0001 5 1\nf 5 6 7 8\n",
+                    materials = write("m.csv", kHeader + "default,0.9,400,\nenvironment,,300,\n");
+  for (const bool has_speck : {false, true}) {
+    const std::string scene = write("s.obj", has_speck ? plate + speck : plate);
+    const Result r = run("solve " + scene + " --materials " + materials + " --matrix-free on");
+    ASSERT_EQ(r.status, 0) << r.output;
+    EXPECT_EQ(r.output.find("warning: directions hardly met speck") != std::string::npos, has_speck) << r.output;
+    EXPECT_EQ(r.output.find("warning") != std::string::npos, has_speck) << r.output;
+  }
+}
+
 TEST_F(SolveProgram, DirectionalEmissivities) {
   const std::string header = "surface,emissivity,temperature,heat_flux,directional\n";
   write("metal.csv", "angle_degrees,relative_emissivity\n0,1\n40,1\n80,3\n90,0\n");
