@@ -136,7 +136,7 @@ FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& c
 FormFactors lineFormFactors(std::vector<FormFactors::Entry> entries, const std::vector<uint32_t>& surface, By by,
                             const ReplicateSums& counted, double measure_area, const LeakingFaces& leaking) {
   const Ids& ids = counted.ids();
-  if (by == By::surface) entries = mergeBySurface(entries, surface);
+  if (by == By::surface) entries = mergeBySurface(std::move(entries), surface);
   if (ids.counts_environment) addEnvironmentAndLeak(entries, counted, measure_area, leaking);
   std::vector<Measured> rows = sumRows(entries, ids.areas);
   return {ids, std::move(entries), std::move(rows)};

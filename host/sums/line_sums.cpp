@@ -31,6 +31,9 @@ void addEntry(FormFactors::Entry& sum, const FormFactors::Entry& entry) {
   sum.exchange_area.standard_error = std::hypot(sum.exchange_area.standard_error, entry.exchange_area.standard_error);
 }
 
+// Returns how often a pair counts in A_i F_ij: twice where two polygons of one face see each other, both ways.
+double waysOf(const LinePair& pair) { return pair.i == pair.j ? 2 : 1; }
+
 // Returns the class of a pair in eq. (61) of docs/method.md: class c has 2^(c-1) to 2^c - 1 blocks.
 size_t classOf(const LinePair& pair) { return static_cast<size_t>(std::bit_width(pair.blocks)); }
 
@@ -145,12 +148,13 @@ Measured LineSums::exchangeArea(size_t k) const { return exchangeArea(k, visibil
 
 Measured LineSums::exchangeArea(size_t k, const Visibility& visibility) const {
   const LinePair& pair = pairs_[k];
-  const double most = std::min(pair.exchange, smallerArea(pair)), of_lines = blockable(pair);
-  if (pair.blocks == 0) return {most, pair.error};
+  const double ways = waysOf(pair), most = std::min(pair.exchange, smallerArea(pair) / ways),
+               of_lines = blockable(pair);
+  if (pair.blocks == 0) return {ways * most, ways * pair.error};
   const double value = std::min(most, pair.clear + visibility.value * of_lines);
   double error = of_lines * std::sqrt(visibility.variance);
   error = std::min(error, of_lines * std::max(visibility.value, 1 - visibility.value));
-  return {value, error + pair.error};
+  return {ways * value, ways * (error + pair.error)};
 }
 
 LineSums::ChanceFactors LineSums::chanceFactors() const {
@@ -198,8 +202,8 @@ FormFactors::Entry LineSums::entryAt(size_t k, const ChanceFactors& factors) con
   const double variance =
       (kChanceDegrees * factors[classOf(pairs_[k])] * of.by_chance + of.degrees_of_freedom * of.of_replicates) /
       (kChanceDegrees + of.degrees_of_freedom);
-  entry.error_in_sums =
-      std::min(blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error, entry.exchange_area.standard_error);
+  entry.error_in_sums = std::min(waysOf(pairs_[k]) * (blockable(pairs_[k]) * std::sqrt(variance) + pairs_[k].error),
+                                 entry.exchange_area.standard_error);
   return entry;
 }
 
@@ -236,17 +240,16 @@ std::vector<FormFactors::Entry> LineSums::entries() const {
   return entries;
 }
 
-std::vector<FormFactors::Entry> mergeBySurface(const std::vector<FormFactors::Entry>& entries,
+std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface) {
-  std::vector<FormFactors::Entry> merged = mergePairs(entries, surface, addEntry);
-  // Two faces of one surface exchange both ways within it.
-  for (FormFactors::Entry& entry : merged)
-    if (entry.i == entry.j) {
+  // Two faces of one surface exchange both ways within it. An entry of one face has both ways already.
+  for (FormFactors::Entry& entry : entries)
+    if (entry.j < kEnvironment && entry.i != entry.j && surface[entry.i] == surface[entry.j]) {
       entry.exchange_area.value *= 2;
       entry.exchange_area.standard_error *= 2;
       entry.error_in_sums *= 2;
     }
-  return merged;
+  return mergePairs(entries, surface, addEntry);
 }
 
 void addSameKeys(std::vector<FormFactors::Entry>& entries) {

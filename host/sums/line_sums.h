@@ -167,7 +167,7 @@ class LineSums {
 };
 
 // Returns entries between surfaces: sums of the entries between their faces, whose errors are independent.
-std::vector<FormFactors::Entry> mergeBySurface(const std::vector<FormFactors::Entry>& entries,
+std::vector<FormFactors::Entry> mergeBySurface(std::vector<FormFactors::Entry> entries,
                                                const std::vector<uint32_t>& surface);
 
 // Adds up entries of one pair of ids, whose errors are independent.    In: entries: sorted by (i, j)
