@@ -61,7 +61,7 @@ TEST(LineRun, MissesAGoalBelowTheErrorOfUnoccludedFormFactors) {
 // A quadrilateral of corners at two heights consists of two triangles, whose backs see each other past a plate. With
 // two sides this is a form factor of the face to itself, by polygon as between surfaces. Directions are the truth.
 TEST(LineRun, AFoldedFaceSeesItselfBothWays) {
-  constexpr double kTolerance = 1e-3, kErrors = 6;
+  constexpr double kFoldTolerance = 1e-3, kFoldErrors = 6;
   InputScene input{"folded", {}, {}};
   test_scenes::addFace(input, "folded", std::vector<glm::dvec3>{{0, 0, 0}, {1, 0, 0.8}, {1, 1, 0}, {0, 1, 0.8}});
   for (const double height : {0.5, 3.0})
@@ -74,19 +74,20 @@ TEST(LineRun, AFoldedFaceSeesItselfBothWays) {
     request.engine = EngineKind::host;
     return request;
   };
-  Request by_directions = requestTo(Tolerance{kTolerance}, false, By::polygon);
+  Request by_directions = requestTo(Tolerance{kFoldTolerance}, false, By::polygon);
   by_directions.pair_lines = false;
   const FormFactors truth = computeFormFactors(scene, by_directions).form_factors;
   ASSERT_GT(truth.formFactor(0, 0).value, 0.1);
-  for (const Request& request :
-       {requestTo(Tolerance{kTolerance}, false, By::polygon), requestTo(Tolerance{kTolerance}, true, By::polygon),
-        requestTo(EpsilonDelta{.epsilon = kTolerance}, std::nullopt, By::polygon),
-        requestTo(Tolerance{kTolerance}, false, By::surface), requestTo(Tolerance{kTolerance}, true, By::surface)}) {
+  for (const Request& request : {requestTo(Tolerance{kFoldTolerance}, false, By::polygon),
+                                 requestTo(Tolerance{kFoldTolerance}, true, By::polygon),
+                                 requestTo(EpsilonDelta{.epsilon = kFoldTolerance}, std::nullopt, By::polygon),
+                                 requestTo(Tolerance{kFoldTolerance}, false, By::surface),
+                                 requestTo(Tolerance{kFoldTolerance}, true, By::surface)}) {
     const Result result = computeFormFactors(scene, request);
     ASSERT_TRUE(result.plan.pair_lines || result.plan.line_guarantee);
     for (const uint32_t id : {0u, kEnvironment}) {
       const Measured expected = truth.formFactor(0, id), found = result.form_factors.formFactor(0, id);
-      EXPECT_NEAR(found.value, expected.value, kTolerance + kErrors * expected.standard_error) << id;
+      EXPECT_NEAR(found.value, expected.value, kFoldTolerance + kFoldErrors * expected.standard_error) << id;
       EXPECT_NEAR(result.between_surfaces.formFactor(0, id).value, found.value, 1e-9) << id;
     }
   }
