@@ -17,7 +17,6 @@
 #include "run/run_state.h"
 #include "run/settings.h"
 #include "sums/add_pairs.h"
-#include "sums/line_form_factors.h"
 #include "threads.h"
 
 namespace viewpeel {

@@ -2,6 +2,7 @@
 // planned.
 
 #include <algorithm>
+#include <utility>
 
 #include "estimator/line_mixture.h"
 #include "estimator/survey_outside.h"

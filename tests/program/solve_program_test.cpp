@@ -253,7 +253,7 @@ assert cells.GetArray('row_sum') is None and cells.GetArray('environment') is No
   EXPECT_EQ(judged.status, 0) << judged.output;
 }
 
-// Without a matrix no line may meet a speck. Its heat flux is then 0 +- 0, which a warning says.
+// Without a matrix, a speck that no line met has a heat flux of 0 +- 0. A warning says so.
 TEST_F(SolveProgram, WithoutAMatrixAWarningNamesTheRowThatNoLineMet) {
   const std::string plate = "o plate\nv 0 0 0\nv 10 0 0\nv 10 10 0\nv 0 10 0\nf 1 2 3 4\n",
                     speck = "o speck\nv 5 5 1\nv 5 5.0001 1\nv 5.0001 5.0001 1\nv 5.0001 5 1\nf 5 6 7 8\n",
