@@ -68,7 +68,7 @@ void printJson(const SolveCommand& command, const MatrixFreeHeat& found) {
   printReport(std::move(report));
 }
 
-// Warns of a row that directions hardly met. Its stated errors come from the few lines that met it, or are 0.
+// Warns of a row that directions hardly met. Its stated errors are those of the few lines that met it.
 void warnOfLack(const HeatSolution& found) {
   constexpr double kMostLack = 0.5;
   if (std::abs(found.largest_lack) <= kMostLack) return;

@@ -1,7 +1,5 @@
 #include "solve/band_errors.h"
 
-#include <cmath>
-
 namespace viewpeel {
 
 using Eigen::Index;
@@ -12,42 +10,57 @@ BandErrors::BandErrors(const ClosedExchange& closed, const BandState& state, siz
     : closed_(closed), state_(state), weighted_(static_cast<Index>(weighted)), weight_(weight) {
   const auto count = static_cast<Index>(columns);
   changes_.assign(kFlux + 1, Changes::Zero(closed.areas.size(), count));
+  own_.assign(kFlux + 1, VectorXd::Zero(closed.areas.size()));
   to_up_ = to_down_ = VectorXd::Zero(count);
   for (size_t k = 0; k < state.bandCount(); ++k) radiosities_.push_back(state.radiosity(k));
 }
 
-void BandErrors::put(size_t place, const BandDisturbance& disturbance, const BandResponse& response) {
-  const auto column = static_cast<Index>(place);
+std::vector<VectorXd> BandErrors::changesOf(const BandResponse& response) const {
   const Index n = closed_.areas.size();
-  changes_[kTemperature].col(column) = response.temperature;
-  const VectorXd ones = VectorXd::Ones(n), up = closed_.environment.cwiseProduct(state_.outside[0].up_share);
-  const VectorXd down = closed_.environment - up;
+  std::vector<VectorXd> changes(kFlux + 1, VectorXd::Zero(n));
+  changes[kTemperature] = response.temperature;
   for (size_t k = 0; k < state_.bandCount(); ++k) {
     VectorXd emission(n);
     for (Index i = 0; i < n; ++i)
       emission[i] = state_.emissivities[k][i] * state_.powerSlope(k, state_.temperatures[i]) * response.temperature[i];
     const VectorXd absorbed = state_.emissivities[k].cwiseProduct(response.irradiation[k]);
-    const VectorXd radiosity = emission + response.irradiation[k] - absorbed;
-    changes_[kEmission].col(column) += emission;
-    changes_[kIrradiation].col(column) += response.irradiation[k];
-    changes_[kRadiosity].col(column) += radiosity;
-    changes_[kFlux].col(column) += emission - absorbed;
+    changes[kEmission] += emission;
+    changes[kIrradiation] += response.irradiation[k];
+    changes[kRadiosity] += emission + response.irradiation[k] - absorbed;
+    changes[kFlux] += emission - absorbed;
+  }
+  return changes;
+}
+
+void BandErrors::put(size_t place, const BandDisturbance& disturbance, const BandResponse& response) {
+  const auto column = static_cast<Index>(place);
+  const std::vector<VectorXd> changes = changesOf(response);
+  for (size_t answer = 0; answer < changes.size(); ++answer) changes_[answer].col(column) = changes[answer];
+  const VectorXd ones = VectorXd::Ones(closed_.areas.size()),
+                 up = closed_.environment.cwiseProduct(state_.outside[0].up_share), down = closed_.environment - up;
+  to_up_[column] = up.dot(changes[kRadiosity]);
+  to_down_[column] = down.dot(changes[kRadiosity]);
+  for (size_t k = 0; k < state_.bandCount(); ++k) {
     const Outside& outside = state_.outside[k];
-    to_up_[column] += up.dot(radiosity) + disturbance.up.dot(radiosities_[k] - outside.up_power * ones);
-    to_down_[column] += down.dot(radiosity) +
-                        (disturbance.environment - disturbance.up).dot(radiosities_[k] - outside.down_power * ones);
+    to_up_[column] += disturbance.up.dot(radiosities_[k] - outside.up_power * ones);
+    to_down_[column] += (disturbance.environment - disturbance.up).dot(radiosities_[k] - outside.down_power * ones);
   }
 }
 
-double BandErrors::rootOfSquares(const VectorXd& changes) const {
-  return std::sqrt(weight_ * changes.head(weighted_).squaredNorm() +
-                   changes.tail(changes.size() - weighted_).squaredNorm());
+void BandErrors::putOwn(const BandResponse& response) { own_ = changesOf(response); }
+
+double BandErrors::weighedSquares(const VectorXd& changes) const {
+  return weight_ * changes.head(weighted_).squaredNorm() + changes.tail(changes.size() - weighted_).squaredNorm();
 }
 
 double BandErrors::standardError(Answer answer, const std::vector<Term>& terms) const {
   VectorXd changes = VectorXd::Zero(changes_[answer].cols());
-  for (const Term& term : terms) changes += term.factor * changes_[answer].row(term.row).transpose();
-  return rootOfSquares(changes);
+  double own = 0;  // squares
+  for (const Term& term : terms) {
+    changes += term.factor * changes_[answer].row(term.row).transpose();
+    own += std::pow(term.factor * own_[answer][term.row], 2);
+  }
+  return std::sqrt(weighedSquares(changes) + own);
 }
 
 }  // namespace viewpeel

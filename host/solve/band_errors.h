@@ -1,5 +1,6 @@
 // BandErrors have the errors of solutions with bands of wavelengths, in first order.
 #pragma once
+#include <cmath>
 #include <vector>
 
 #include "solve/band_state.h"
@@ -25,7 +26,8 @@ struct BandResponse {
   BandVectors irradiation;
 };
 
-// BandErrors have a column for each of several independent errors: how it changes all answers.
+// BandErrors have a column for each of several independent errors: how it changes all answers. Beside these, each row
+// may have an error of its own.
 class BandErrors {
  public:
   //   In: closed: its pairs are not read; both: referred to; columns: number of errors; weighted: number of the first
@@ -34,6 +36,9 @@ class BandErrors {
 
   // Sets a column. Several threads may set different columns at once.
   void put(size_t column, const BandDisturbance& disturbance, const BandResponse& response);
+  // Sets the rows' own errors. Each is independent of all others, and is left out of the flow to the environment.
+  //   In: response: of each row to its own error
+  void putOwn(const BandResponse& response);
 
   // An Answer is a quantity that has a value for each row of the solution.
   enum Answer { kTemperature, kEmission, kRadiosity, kIrradiation, kFlux };
@@ -44,21 +49,23 @@ class BandErrors {
   // Returns the standard error of sum_k factor_k answer_k.    Cost: O(columns x terms).
   double standardError(Answer answer, const std::vector<Term>& terms) const;
   // Returns the standard error of the heat flow to the environment, and to its parts above and below the horizon.
-  double toEnvironment() const { return rootOfSquares(to_up_ + to_down_); }
-  double toUp() const { return rootOfSquares(to_up_); }
-  double toDown() const { return rootOfSquares(to_down_); }
+  double toEnvironment() const { return std::sqrt(weighedSquares(to_up_ + to_down_)); }
+  double toUp() const { return std::sqrt(weighedSquares(to_up_)); }
+  double toDown() const { return std::sqrt(weighedSquares(to_down_)); }
 
  private:
   using Changes = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-  double rootOfSquares(const Eigen::VectorXd& changes) const;
+  std::vector<Eigen::VectorXd> changesOf(const BandResponse& response) const;
+  double weighedSquares(const Eigen::VectorXd& changes) const;
 
   const ClosedExchange& closed_;
   const BandState& state_;
   Eigen::Index weighted_;
   double weight_;
   BandVectors radiosities_;
-  std::vector<Changes> changes_;     // by Answer: rows x columns
-  Eigen::VectorXd to_up_, to_down_;  // by column
+  std::vector<Changes> changes_;      // by Answer: rows x columns
+  std::vector<Eigen::VectorXd> own_;  // by Answer: the rows' own errors
+  Eigen::VectorXd to_up_, to_down_;   // by column
 };
 
 }  // namespace viewpeel

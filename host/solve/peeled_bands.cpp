@@ -281,6 +281,13 @@ class PeeledBands {
       for (Index k = 0; k < bands; ++k) response.irradiation.push_back(change.col(k));
       errors.put(size_t(r), disturbance, response);
     }
+    Columns of_next_line(n, bands);
+    for (Index k = 0; k < bands; ++k)
+      of_next_line.col(k) =
+          exchange_.errorOfNextLine(factors.col(k), state_.irradiations[size_t(k)], state_.outside[size_t(k)].power);
+    BandResponse own{linear.warm(of_next_line), {}};
+    for (Index k = 0; k < bands; ++k) own.irradiation.push_back(of_next_line.col(k));
+    errors.putOwn(own);
     return errors;
   }
 

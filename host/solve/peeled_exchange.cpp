@@ -1,6 +1,8 @@
 #include "solve/peeled_exchange.h"
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include <fmt/format.h>
 #include <glm/glm.hpp>
@@ -8,6 +10,7 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
+#include "estimator/planner.h"
 #include <viewpeel/balance.h>
 #include <viewpeel/error.h>
 
@@ -132,6 +135,44 @@ PeeledExchange::Part PeeledExchange::multiplyPart(uint32_t r, const Columns& v) 
     part.down[i] = outside[static_cast<size_t>(i)].behind * of_count;
   }
   return part;
+}
+
+VectorXd PeeledExchange::errorOfNextLine(const VectorXd& radiosity, const VectorXd& irradiation,
+                                         const VectorXd& outside_power) const {
+  const Eigen::Index n = closed_.areas.size();
+  const double centre = closed_.areas.dot(radiosity) / closed_.areas.sum();
+  std::vector<Eigen::Index> by_area(static_cast<size_t>(n));
+  std::iota(by_area.begin(), by_area.end(), 0);
+  std::stable_sort(by_area.begin(), by_area.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return closed_.areas[a] > closed_.areas[b]; });
+  // These are of the k largest rows, and `most_power` is the largest A |B - centre| of all others, W.
+  VectorXd least(n + 1), most(n + 1), most_power(n + 1);
+  least[0] = INFINITY, most[0] = -INFINITY, most_power[n] = 0;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double b = radiosity[by_area[size_t(k)]];
+    least[k + 1] = std::min(least[k], b), most[k + 1] = std::max(most[k], b);
+  }
+  for (Eigen::Index k = n; k-- > 0;) {
+    const Eigen::Index row = by_area[size_t(k)];
+    most_power[k] = std::max(most_power[k + 1], closed_.areas[row] * std::abs(radiosity[row] - centre));
+  }
+  VectorXd errors(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double area = closed_.areas[i], h = irradiation[i];
+    const double lines =
+        double(directions_.size()) *
+        expectedPoints(options_.sampling, area / std::pow(scene_.scale, 2) / ids_.sides(), 2.0 / options_.resolution);
+    const double of_line = area / (lines + 1);
+    const auto larger = std::partition_point(by_area.begin(), by_area.end(),
+                                             [&](Eigen::Index row) { return closed_.areas[row] >= of_line; }) -
+                        by_area.begin();
+    double change = larger > 0 ? std::max(most[larger] - h, h - least[larger]) : 0;
+    if (closed_.is_open) change = std::max(change, std::abs(outside_power[i] - h));
+    // A smaller area A_j changes it by A_j |B_j - H_i|, at most A_j |B_j - centre| + A_j |centre - H_i|.
+    const double of_smaller = larger < n ? most_power[larger] / of_line + std::abs(centre - h) : 0;
+    errors[i] = std::max(change, of_smaller) * of_line / area;
+  }
+  return errors;
 }
 
 }  // namespace viewpeel

@@ -56,6 +56,14 @@ class PeeledExchange {
   };
   Part multiplyPart(uint32_t replicate, const Columns& v);
 
+  // Returns the error of each row's irradiation that the spread of replicates cannot show, W/m2. Replicates may all
+  // miss what a small hot surface sends a row. So one line more is taken to end where irradiation changes most. It has
+  // 1 / (n + 1) of a row that n lines are expected to meet. To a row it gives no more than the area it ends on sends.
+  //   In: radiosity, irradiation: by row; outside_power: emissive power of the environment that each row sees, by row;
+  //     all in W/m2
+  Eigen::VectorXd errorOfNextLine(const Eigen::VectorXd& radiosity, const Eigen::VectorXd& irradiation,
+                                  const Eigen::VectorXd& outside_power) const;
+
   ExchangeProducts& products() { return *products_; }
   const LatticeOptions& lattice() const { return options_; }
   uint64_t directionCount() const { return directions_.size(); }

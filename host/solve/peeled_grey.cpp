@@ -76,7 +76,8 @@ class Preconditioned {
 };
 
 // ReplicateErrors have a column for each of R replicates: how far irradiations move if its exchange replaces that of
-// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance.
+// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance. To it come the
+// errors of rows that few lines meet, each row on its own.
 class ReplicateErrors : public CarriedErrors {
  public:
   ReplicateErrors(PeeledExchange& exchange, const HeatState& state, const Outside& outside, Preconditioned& solver)
@@ -104,12 +105,17 @@ class ReplicateErrors : public CarriedErrors {
     to_down_ *= scale;
     Columns start = Columns::Zero(n, kCount);
     irradiation_ = solver.solve(irradiation_, kErrorResidual, start);
+    of_few_lines_ = exchange.errorOfNextLine(b, state.irradiation, outside.power);
   }
 
   double standardError(const std::vector<Term>& terms) const override {
     Parts changes = Parts::Zero();
-    for (const Term& term : terms) changes += term.factor * irradiation_.row(term.row);
-    return changes.norm();
+    double of_few_lines = 0;  // squares
+    for (const Term& term : terms) {
+      changes += term.factor * irradiation_.row(term.row);
+      of_few_lines += std::pow(term.factor * of_few_lines_[term.row], 2);
+    }
+    return std::sqrt(changes.squaredNorm() + of_few_lines);
   }
 
   double environmentError(const VectorXd& reflectivity, Part part) const override {
@@ -126,6 +132,7 @@ class ReplicateErrors : public CarriedErrors {
 
   const VectorXd &environment_, &up_share_;
   Columns irradiation_;
+  VectorXd of_few_lines_;  // of irradiations, by row
   Parts to_up_, to_down_;
 };
 

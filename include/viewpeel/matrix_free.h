@@ -64,8 +64,9 @@ constexpr double kMostMatrixBytes = 4.0 * (1u << 30);
 //   each direction: docs/method.md, section 15.
 //   In: scene; materials: grey and diffuse, with bands of wavelengths, or directional; request
 //   Out: see MatrixFreeHeat. The first round's answers are kept where a later one is stopped.
-//   Error: standard errors come from 8 replicates, carried to first order. The equations are solved to
-//     request.residual. Tests: tests/unit/matrix_free_test.cpp, against the same counts in a matrix and closed forms.
+//   Error: standard errors come from 8 replicates, carried to first order, and from what one line more could add to a
+//     row. The equations are solved to request.residual. Tests: tests/unit/matrix_free_test.cpp, against the same
+//     counts in a matrix, closed forms and form factors.
 //   Throws: as assignMaterials, before anything is computed; Error bad_input as solveHeat; limit where time is up, or
 //   the observer stops the run, before the first round is done.
 //   Cost: in each round two dozens of sweeps of all directions, more where emissivities are small; memory of 600 bytes
