@@ -155,6 +155,10 @@ bool paysRaysAlone(const PairNumbers& pairs, size_t face_count, double rays_alon
   return kWorth * kSecondsOfRay * rays_alone < kSecondsOfRay * rays_beside + secondsBesideRays(pairs, face_count);
 }
 
+bool paysRaysAloneForRms(size_t face_count, double rays) {
+  return kSecondsOfRay * rays < double(face_count) * kSecondsOfFaceBesideRays;
+}
+
 bool mayPayDirectionsAlone(size_t face_count, double seconds) {
   return double(pairCount(face_count)) * kSecondsOfBlocked > std::max(kSoon, kWorthBesideRays * seconds);
 }

@@ -99,6 +99,9 @@ double secondsOfRays(double rays);
 // that count the others.
 //   In: rays_alone, rays_beside: of all polygons, in all replicates
 bool paysRaysAlone(const PairNumbers& pairs, size_t face_count, double rays_alone, double rays_beside);
+// Returns whether rays that count all pairs take less time than finding pairs that get lines, and surveying the scene
+// before. The goal is the root mean square of all errors.    In: rays: of all polygons, in all replicates
+bool paysRaysAloneForRms(size_t face_count, double rays);
 // Returns false where common directions alone cannot take less time than lines for the most pairs that there can be.
 //   In: seconds: processor seconds of the directions
 bool mayPayDirectionsAlone(size_t face_count, double seconds);

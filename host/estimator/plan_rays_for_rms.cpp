@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <ranges>
 
 #include "directions/replicates.h"
 #include "directions/sampler.h"
@@ -12,11 +14,16 @@ namespace viewpeel {
 namespace {
 
 // Environments vary so much less than by independent rays: some 1.0 n^-0.4 for n rays in a replicate (plan_rays.cpp),
-// here 100 to 200. Pairs of few rays gain next to nothing from even points.
+// here 100 to 200.
 constexpr double kEnvironmentEfficiency = 0.15;
+// The squares of pairs add up to so much less than by independent rays, for n rays of a polygon in a replicate:
+// kOfOneRay n^-kEvenness. In two closed rooms, an office and three cities, with 17 to 1,400 rays, they were 0.7 to 1.2
+// times that.
+constexpr double kOfOneRay = 1.45, kEvenness = 0.2;
 constexpr int kStepsToEqualGains = 8;
 // Usual numbers of rays are 4/3 or 3/2 of each other. Below 1 / kRoundedUp of a number the next smaller one is taken.
 constexpr double kRoundedUp = 0.85, kScaleStep = 1.05;
+constexpr int kScaleSteps = 228;  // from RayEngine::kLeastRays to kMostRaysOfRow
 
 }  // namespace
 
@@ -76,14 +83,24 @@ std::vector<uint32_t> RmsRayPlanner::plan(const std::vector<LinePair>& with_line
     const double most = *std::ranges::max_element(rays);
     for (double& of_face : rays) of_face = most > 0 ? std::max(of_face / most, kLeastShareOfRays) : 1;
   }
-  // Numbers of rays are rounded to usual ones, so one scale after another is tried.
-  const double allowed = (1 - kLinesOfSquares) * std::pow(*options.rms * double(face_count), 2) * options.replicates;
-  std::vector<uint32_t> usual(face_count);
-  for (double scale = RayEngine::kLeastRays;; scale *= kScaleStep) {
+  // Numbers of rays are rounded to usual ones, so the least scale is looked for among steps.
+  const double of_rays = with_lines.empty() ? 1 : 1 - kLinesOfSquares,
+               allowed = of_rays * std::pow(*options.rms * double(face_count), 2) * options.replicates;
+  const auto scaled = [&](int step) {
+    const double scale = RayEngine::kLeastRays * std::pow(kScaleStep, step);
+    std::vector<uint32_t> usual(face_count);
     for (size_t face = 0; face < face_count; ++face)
       usual[face] = RayEngine::usualRays(kRoundedUp * std::min(double(kMostRaysOfRow), scale * rays[face]));
-    if (scale >= kMostRaysOfRow || sum(pairs, {usual.begin(), usual.end()}) <= allowed) return usual;
-  }
+    return usual;
+  };
+  const auto isTooFew = [&](int step) {
+    const std::vector<uint32_t> usual = scaled(step);
+    const double mean = std::accumulate(usual.begin(), usual.end(), 0.0) / double(face_count),
+                 efficiency = std::min(1.0, kOfOneRay * std::pow(mean, -kEvenness));
+    return efficiency * sum(pairs, {usual.begin(), usual.end()}) > allowed;
+  };
+  const auto steps = std::views::iota(0, kScaleSteps);
+  return scaled(*std::ranges::partition_point(steps, isTooFew));
 }
 
 }  // namespace viewpeel

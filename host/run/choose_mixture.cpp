@@ -245,12 +245,33 @@ bool FormFactorRun::State::takeRays(const PairNumbers& numbers) {
   return pays_mixture;
 }
 
+// Returns how many rays each face has where rays alone count all pairs, and the goal is the root mean square of all
+// errors; nothing where pairs get lines.
+std::optional<std::vector<uint32_t>> FormFactorRun::State::planRaysAloneForRms() {
+  const size_t face_count = setup.faceIds().count();
+  if (resumed || !mayHaveRaysForRms()) return std::nullopt;
+  std::vector<uint32_t> alone = rmsPlanner().plan({}, setup.estimate());
+  if (!paysRaysAloneForRms(face_count, numberOfRays(alone))) return std::nullopt;
+  return alone;
+}
+
+// Returns whether rays may count pairs where the goal is the root mean square of all errors.
+bool FormFactorRun::State::mayHaveRaysForRms() const {
+  return setup.estimate().rms && !setup.request().pair_lines.value_or(false) && suitsRays(setup.scene()) &&
+         mayPayMixture(setup.faceIds().count());
+}
+
+// Returns rms_planner, whose pilot is cast once, with ray_engine.
+RmsRayPlanner& FormFactorRun::State::rmsPlanner() {
+  if (!rms_planner) rms_planner.emplace(rayEngine(), setup.scene(), setup.faceIds(), setup.request().seed);
+  return *rms_planner;
+}
+
 // Decides whether rays count pairs, where the goal is the root mean square of all errors.
 //   Out: whether they do; then line_mixture and its engine are set, but planRaysForRms() chooses the rays
 bool FormFactorRun::State::takeRaysForRms() {
+  if (!mayHaveRaysForRms()) return false;
   const size_t face_count = setup.faceIds().count();
-  if (setup.request().pair_lines.value_or(false) || !suitsRays(setup.scene()) || !mayPayMixture(face_count))
-    return false;
   const EstimateOptions& options = setup.estimate();
   const PairNumbers numbers = pairNumbers();
   const double small = pair_sample->sumOfSmall(leastFormFactorBesideRays(options, face_count)),
@@ -263,8 +284,7 @@ bool FormFactorRun::State::takeRaysForRms() {
            std::min(of_each * polygons, numbers.facing) <= enoughCounts(face_count);
   };
   if (!pays(small)) return false;
-  rms_planner.emplace(rayEngine(), setup.scene(), setup.faceIds(), setup.request().seed);
-  if (!pays(small + rms_planner->environments())) return false;
+  if (!pays(small + rmsPlanner().environments())) return false;
   line_mixture = rayMixtureFor(options, std::vector<uint32_t>(face_count, kPilotRays));
   useRays(std::move(ray_engine));
   return true;
@@ -272,7 +292,8 @@ bool FormFactorRun::State::takeRaysForRms() {
 
 // Chooses how many rays each face has.    In: line_pairs: of the mixture
 void FormFactorRun::State::planRaysForRms() {
-  line_mixture = rayMixtureFor(setup.estimate(), rms_planner->plan(line_pairs, setup.estimate()));
+  line_mixture.rays = rmsPlanner().plan(line_pairs, setup.estimate());
+  line_mixture.directions = std::ranges::max(line_mixture.rays);
   rays->setRays(line_mixture.rays);
   plan->directions = line_mixture.directions;
 }

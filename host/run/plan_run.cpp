@@ -116,7 +116,8 @@ PairCounts FormFactorRun::State::countDirections(uint32_t count) {
 std::string FormFactorRun::State::makePairLines() {
   plan.emplace();
   line_mixture = {setup.leastFormFactor(), commonDirections(), 0};
-  surveyOutside();
+  const std::optional<std::vector<uint32_t>> rays_alone = planRaysAloneForRms();
+  if (!rays_alone) surveyOutside();
   // Pairs with backs get lines only where a row leaks a share that matters at the goal.
   const double least_share = setup.guarantee() ? kGrazedPart * setup.guarantee()->epsilon
                                                : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
@@ -141,6 +142,10 @@ std::string FormFactorRun::State::makePairLines() {
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
   // By lines a row's environment is 1 less its pairs, of which the ones with blockers would be missing.
   const Ids& ids = setup.faceIds();
+  if (rays_alone) {
+    countAlongRays(raysAlone(*rays_alone));
+    return "";
+  }
   const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
                               ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
                               : takeMixture();
@@ -210,7 +215,7 @@ void FormFactorRun::State::planEstimateLines() {
     // Where all pairs have lines, a row's environment is what they leave of it. Beside rays, row sums would differ from
     // 1 by as much as all lines of a row err together.
     const bool with_rows = may_leave && (line_mixture.hasRays() || !(line_mixture.least_form_factor > 0));
-    if (options.rms && rms_planner) {
+    if (options.rms && line_mixture.hasRays() && line_mixture.least_form_factor > 0) {
       planRaysForRms();
       *options.rms *= std::sqrt(kLinesOfSquares);
     }

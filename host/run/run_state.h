@@ -138,6 +138,9 @@ struct FormFactorRun::State {
   PlannedRays planRays();
   double numberOfRays(const std::vector<uint32_t>& of_faces) const;
   bool takeRays(const PairNumbers& numbers);
+  std::optional<std::vector<uint32_t>> planRaysAloneForRms();
+  bool mayHaveRaysForRms() const;
+  RmsRayPlanner& rmsPlanner();
   bool takeRaysForRms();
   void planRaysForRms();
   std::string takeTimedTolerance();

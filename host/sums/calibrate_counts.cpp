@@ -19,11 +19,13 @@ constexpr double kMostCountTilt = 1;   // greatest |y|
 class CountCalibration {
  public:
   CountCalibration(const std::vector<FormFactors::Entry>& entries, const std::vector<bool>& is_counted, double most,
-                   const Ids& ids, const std::vector<Measured>& rows, const std::vector<Measured>& counted_rows)
+                   const Ids& ids, const std::vector<Measured>& rows, const std::vector<Measured>& counted_rows,
+                   const Rows& ray_areas)
       : entries_(entries),
         is_counted_(is_counted),
         most_(most),
         ids_(ids),
+        ray_areas_(ray_areas),
         goal_(rows.size()),
         tolerance_(rows.size()),
         y_(rows.size()) {
@@ -41,30 +43,31 @@ class CountCalibration {
       if (!stepRows(evaluate(), goal_, tolerance_, INFINITY, kMostCountTilt, y_)) return;
   }
 
-  Rows factors() const {
-    Rows factors(y_.size());
-    std::ranges::transform(y_, factors.begin(), [](double y) { return std::exp(y); });
-    return factors;
-  }
-
   // Returns the calibrated exchange area of a counted pair.
-  double valueOf(const FormFactors::Entry& entry, const Rows& factors) const {
-    return std::min(entry.exchange_area.value * factors[entry.i] * factors[entry.j],
-                    most_ * ids_.smallerArea(entry.i, entry.j));
-  }
+  double valueOf(const FormFactors::Entry& entry) const { return valueOf(entry, shareOf(entry)); }
 
  private:
+  // Returns p_ij of a pair, by which y_i acts on it; y_j does by 2 - p_ij.
+  double shareOf(const FormFactors::Entry& entry) const {
+    if (ray_areas_.empty()) return 1;
+    return 2 * ray_areas_[entry.j] / (ray_areas_[entry.i] + ray_areas_[entry.j]);
+  }
+  double valueOf(const FormFactors::Entry& entry, double share) const {
+    const double tilt = share * y_[entry.i] + (2 - share) * y_[entry.j], root = 1 + tilt / 8, square = root * root,
+                 fourth = square * square;
+    return std::min(entry.exchange_area.value * fourth * fourth, most_ * ids_.smallerArea(entry.i, entry.j));
+  }
+
   // Finds gains and slopes for the present y.
   RowTotals evaluate() const {
-    const Rows of_row = factors();
     return sumByRow(entries_.size(), y_.size(), [&](size_t k, RowTotals& totals) {
       if (!is_counted_[k]) return;
       const FormFactors::Entry& entry = entries_[k];
-      const double before = entry.exchange_area.value, after = valueOf(entry, of_row);
+      const double share = shareOf(entry), before = entry.exchange_area.value, after = valueOf(entry, share);
       const bool is_free = after < most_ * ids_.smallerArea(entry.i, entry.j);
-      for (const uint32_t id : {entry.i, entry.j}) {
+      for (const auto& [id, of_id] : {std::pair(entry.i, share), std::pair(entry.j, 2 - share)}) {
         totals[kGain][id] += after - before;
-        if (is_free) totals[kSlope][id] += after;
+        if (is_free) totals[kSlope][id] += of_id * after;
       }
     });
   }
@@ -73,6 +76,7 @@ class CountCalibration {
   const std::vector<bool>& is_counted_;
   double most_;
   const Ids& ids_;
+  const Rows& ray_areas_;
   Rows goal_, tolerance_, y_;
 };
 
@@ -87,16 +91,15 @@ std::vector<bool> findCounted(const std::vector<FormFactors::Entry>& entries, co
 }  // namespace
 
 FormFactors calibrateCounts(FormFactors all, const std::vector<LinePair>& with_lines, double most,
-                            const std::vector<Measured>& counted_rows) {
+                            const std::vector<Measured>& counted_rows, const std::vector<double>& ray_areas) {
   Ids ids = all.ids();
   std::vector<Measured> rows = all.rowSums();
   std::vector<FormFactors::Entry> entries = std::move(all).entries();
   const std::vector<bool> is_counted = findCounted(entries, with_lines);
-  CountCalibration calibration(entries, is_counted, most, ids, rows, counted_rows);
+  CountCalibration calibration(entries, is_counted, most, ids, rows, counted_rows, ray_areas);
   calibration.solve();
-  const Rows factors = calibration.factors();
   for (size_t k = 0; k < entries.size(); ++k)
-    if (is_counted[k]) entries[k].exchange_area.value = calibration.valueOf(entries[k], factors);
+    if (is_counted[k]) entries[k].exchange_area.value = calibration.valueOf(entries[k]);
   const std::vector<Measured> sums = sumRows(entries, ids.areas);
   for (size_t i = 0; i < rows.size(); ++i) rows[i].value = sums[i].value;
   return {std::move(ids), std::move(entries), std::move(rows)};

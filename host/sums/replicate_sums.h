@@ -53,6 +53,7 @@ class ReplicateSums {
   //   In: areas: double[ids], A N / n, with the area A of a row's largest polygon, its n rays in a replicate and the N
   //     directions of a replicate; input units squared
   void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
+  const std::vector<double>& rayAreas() const { return ray_areas_; }  // empty: counts are along common directions
   bool countsRays() const { return !ray_areas_.empty(); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);

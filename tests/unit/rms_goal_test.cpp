@@ -2,6 +2,7 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -70,15 +71,23 @@ TEST_F(RmsGoal, IsTrueByLinesAndByDirections) {
   }
 }
 
-// In a closed scene and in an open one rays are quicker for a rough goal. What they state is the mean of thousands of
-// variances, so that it is off by a few hundredths. The reference, whose goal is a tenth of theirs, adds half of one.
-// In the closed scene pairs are then fitted to their rows, which lessens true errors.
+// In a closed scene and in an open one rays are quicker for a rough goal: alone at 1e-3, and beside lines of few pairs
+// at 2e-4. What they state is the mean of thousands of variances, so that it is off by a few hundredths. The reference,
+// whose goal is a tenth of theirs, adds half of one. In the closed scene pairs are then fitted to their rows, which
+// lessens true errors. Squares were predicted within 0.7 to 1.2 times what they are, and numbers of rays are multiples
+// of 4/3 or 3/2. So rays are at most 2.1 times as many as needed, and half the replicates more make up for too few.
 TEST_F(RmsGoal, IsTrueByRays) {
-  constexpr double kRough = 1e-3, kOff = 0.1, kFitted = 0.8;
-  for (const Scene& scene : {room_, buildScene(bench::triangulatedCity(1'000).scene)}) {
-    const Result truth = computeTo(scene, RootMeanSquare{kRough / 10}, 100, true);
-    const Result result = computeTo(scene, RootMeanSquare{kRough}, 1);
+  constexpr double kOff = 0.1, kFitted = 0.8, kMostRays = 2.1;
+  constexpr uint64_t kPlannedReplicates = 8;
+  const Scene city = buildScene(bench::triangulatedCity(1'000).scene);
+  for (const auto& [scene, goal, is_alone] :
+       {std::tuple(&room_, 1e-3, true), std::tuple(&city, 5e-4, true), std::tuple(&city, 2e-4, false)}) {
+    SCOPED_TRACE(goal);
+    const Result truth = computeTo(*scene, RootMeanSquare{goal / 10}, 100, true);
+    const Result result = computeTo(*scene, RootMeanSquare{goal}, 1);
     ASSERT_TRUE(result.plan.pair_lines && result.plan.pair_lines->has_rays);
+    EXPECT_EQ(result.lines == 0, is_alone);
+    EXPECT_LE(result.replicates, kPlannedReplicates * 3 / 2);
     EXPECT_EQ(truth.plan.pair_lines->least_form_factor, 0);
     EXPECT_TRUE(result.goal_reached);
     const double stated = rmsError(result.form_factors), error = rmsDifference(result.form_factors, truth.form_factors);
@@ -90,19 +99,19 @@ TEST_F(RmsGoal, IsTrueByRays) {
       ++above;
       unmet += result.form_factors.exchangeArea(entry.i, entry.j).value == 0;
     }
-    EXPECT_LT(result.unmet_bound, result.plan.pair_lines->least_form_factor);
+    EXPECT_LE(result.unmet_bound, result.plan.pair_lines->least_form_factor);
     EXPECT_GT(above, 100u);
     EXPECT_LE(20 * unmet, above);
-    EXPECT_LE(stated, kRough);
+    EXPECT_LE(stated, goal);
+    EXPECT_GE(kMostRays * stated * stated, goal * goal);
     EXPECT_LE(error, (1 + kOff) * stated);
     EXPECT_GE(error, kFitted * stated);
   }
 }
 
-// With true form factors, squares of errors add up to what the goal allows rays. Numbers of rays are usual ones, and
-// the pilot's squares err by a few hundredths. Equal numbers for all polygons would be more rays.
-TEST(RmsRays, AreAsManyAsTheGoalNeeds) {
-  constexpr double kRough = 3e-4, kOff = 0.1, kRounded = 1.5;
+// With true form factors, equal numbers of rays for all polygons would have to be more for the same sum of squares.
+TEST(RmsRays, AreFewerThanEqualNumbers) {
+  constexpr double kRough = 3e-4;
   constexpr uint32_t kPlannedReplicates = 8;
   const Scene scene = buildScene(bench::triangulatedCity(1'000).scene);
   const Ids ids = makeIds(scene, By::polygon, false);
@@ -125,14 +134,10 @@ TEST(RmsRays, AreAsManyAsTheGoalNeeds) {
     }
     return all / kPlannedReplicates;
   };
-  const double allowed = (1 - kLinesOfSquares) * std::pow(kRough * ids.count(), 2);
-  EXPECT_LE(squares(planned), (1 + kOff) * allowed);
   uint32_t equal = RayEngine::kLeastRays;
   while (squares(std::vector(planned.size(), equal)) > squares(planned)) ++equal;
   const double mean = std::accumulate(planned.begin(), planned.end(), 0.0) / double(planned.size());
   EXPECT_LT(mean, equal);
-  // Environments have their part of the squares, too. Without them the goal would need fewer rays.
-  EXPECT_GE(squares(planned), allowed / kRounded / 2);
 }
 
 // Pairs get lines where a line lessens the sum of all squares the most. Lines for the largest error give most of them
