@@ -62,6 +62,10 @@ int windowReach(int resolution, const Window& window) {
   return static_cast<int>(std::floor(resolution / 2.0 * window.radius)) + 2;
 }
 
+double expectedPoints(Sampling sampling, double area, double h) {
+  return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
+}
+
 glm::dvec2 latticeOrigin(const Direction& direction, int resolution, const Window& window) {
   const glm::dvec2 middle =
       resolution / 2.0 *

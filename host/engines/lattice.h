@@ -33,6 +33,11 @@ int windowReach(int resolution, const Window& window = {});
 // Returns the area that one lattice point stands for, h^2 with h = 2 / resolution, in unit-ball units squared.
 inline double pointArea(int resolution) { return 4.0 / (double(resolution) * resolution); }
 
+// Returns the average number of lattice points, or scanlines, of one direction that meet an id. The id's mean
+// projection is taken for a square.
+//   In: area: of the id, unit-ball units squared; h: spacing, unit-ball units
+double expectedPoints(Sampling sampling, double area, double h);
+
 // Returns the offset of lattice coordinates, in spacings: the direction's offset, moved by whole spacings so that the
 // window's centre is within a spacing of lattice point (0, 0). All windows of one resolution thus have the same
 // lattice.

@@ -24,10 +24,6 @@ double latticeVariance(Sampling sampling, double perimeter_per_area_squared, dou
   return std::min(0.229 * h * h * h * perimeter_per_area_squared, 2 * h * h / area);
 }
 
-double expectedPoints(Sampling sampling, double area, double h) {
-  return sampling == Sampling::scanline ? std::sqrt(area / 2) / h : area / 2 / (h * h);
-}
-
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids) {
   std::vector<double> ratios(ids.count(), 0);
   for (size_t k = 0; k < scene.polygons.size(); ++k) ratios[ids.of_polygon[k]] += perimeterOf(scene, scene.polygons[k]);

@@ -15,9 +15,9 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
+#include "engines/lattice.h"
 #include "estimator/environment_rays.h"
 #include "estimator/estimate.h"
-#include "estimator/planner.h"
 #include "stopwatch.h"
 #include "threads.h"
 #include <viewpeel/error.h>

@@ -63,10 +63,6 @@ struct SizeClass {
 //   In: area: A, unit-ball units squared; h: spacing, unit-ball units
 double latticeVariance(Sampling sampling, double perimeter_per_area_squared, double area, double h);
 
-// Returns the average number of lattice points, or scanlines, of one direction that meet an id. The id's mean
-// projection is taken for a square.
-double expectedPoints(Sampling sampling, double area, double h);
-
 // Returns P / A^2 of every id: double[id], in unit-ball units.
 std::vector<double> perimetersPerAreaSquared(const Scene& scene, const Ids& ids);
 

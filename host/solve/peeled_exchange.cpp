@@ -10,7 +10,7 @@
 #include "directions/replicates.h"
 #include "directions/sampler.h"
 #include "engines/host_engine.h"
-#include "estimator/planner.h"
+#include "engines/lattice.h"
 #include <viewpeel/balance.h>
 #include <viewpeel/error.h>
 
