@@ -8,10 +8,11 @@
 namespace viewpeel {
 
 // Returns the entry of a pair that common directions counted. Between polygons it is cut to kMostOfCounted times the
-// least form factor with lines, from the smaller polygon. Of thousands of rows some have replicates that agree by
-// chance. So an environment by rays errs by no less than the efficiency of all rows makes of its binomial variance.
+// least form factor with lines, from the smaller polygon. A replicate's directions meet such a pair less than once on
+// average (mixtureFor). Of thousands of rows some have replicates that agree by chance. So an environment by rays errs
+// by no less than the efficiency of all rows makes of its binomial variance.
 FormFactors::Entry MixtureEntries::countedEntry(const ReplicateSums::PairSum& pair) const {
-  Measured exchange = counted_.exchangeArea(pair, measure_area_, count_area_);
+  Measured exchange = counted_.exchangeArea(pair, measure_area_, count_area_, pair.j < kEnvironment);
   if (pair.j < kEnvironment) {
     const double largest = lines_.leastFormFactor() * counted_.ids().smallerArea(pair.i, pair.j);
     exchange.value = std::min(exchange.value, kMostOfCounted * largest);

@@ -76,9 +76,8 @@ double ReplicateSums::spreadOf(const PairSum& pair, double measure_area) const {
 
 // Returns the mean count of a replicate with the standard error of docs/method.md, eq. (12), which is infinite from a
 // single replicate.
-//   In: replicates: in which the pair could be counted; most_counts: the most counts that a direction adds, A / h^2 in
-//   eq. (12), or twice what a ray adds
-Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, double most_counts) const {
+//   In: replicates: in which the pair could be counted; steps: of the pair's counts
+Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, const Steps& steps) const {
   Measured measured;
   measured.value = double(sum.sum) / double(replicate_count);
   if (replicate_count < 2) {
@@ -86,19 +85,28 @@ Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, double
     return measured;
   }
   const double r = double(replicate_count), variance = varianceOf(sum, replicate_count);
-  const double counted = double(sum.sum), least = ray_areas_.empty() ? 1 : std::max(1.0, most_counts / 2),
-               at_a_time = variance > 0 ? std::max(least, variance / counted) : least;
-  const double surplus = (counted + 1 + 8 / 27.0 * most_counts) / (counted / at_a_time + 1);
+  const double counted = double(sum.sum),
+               at_a_time = variance > 0 ? std::max(steps.least, variance / counted) : steps.least;
+  const double surplus = (counted + steps.of_direction) / (counted / at_a_time + 1);
   measured.standard_error = std::sqrt(variance + surplus * surplus) / r;
   return measured;
 }
 
-Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, double count_area) const {
-  double area = ids_.smallerArea(pair.i, pair.j);
-  if (!ray_areas_.empty())
-    area = pair.j < kEnvironment ? std::min(ray_areas_[pair.i], ray_areas_[pair.j]) : ray_areas_[pair.i];
-  const Measured count =
-      measure(pair.sum, replicatesOf(pair.i, pair.j), std::isinf(count_area) ? 0 : area / count_area);
+ReplicateSums::Steps ReplicateSums::stepsOf(const PairSum& pair, double count_area, bool is_rare) const {
+  if (std::isinf(count_area)) return {};
+  if (!ray_areas_.empty()) {
+    const double area = pair.j < kEnvironment ? std::min(ray_areas_[pair.i], ray_areas_[pair.j]) : ray_areas_[pair.i];
+    return {1 + 8 / 27.0 * area / count_area, std::max(1.0, area / count_area / 2)};
+  }
+  const double area = ids_.smallerArea(pair.i, pair.j);
+  if (!is_rare) return {1 + 8 / 27.0 * area / count_area, 1};
+  const double side = std::sqrt(area / std::max(ids_.areas[pair.i], ids_.areas[pair.j])),
+               of_direction = 1 + 2 / 3.0 * std::pow(1 - side / 3, 2) * area / count_area;
+  return {of_direction, of_direction};
+}
+
+Measured ReplicateSums::exchangeArea(const PairSum& pair, double measure_area, double count_area, bool is_rare) const {
+  const Measured count = measure(pair.sum, replicatesOf(pair.i, pair.j), stepsOf(pair, count_area, is_rare));
   const double scale = exchangesPerLine(pair.i, pair.j) * measure_area;
   return {count.value * scale, count.standard_error * scale};
 }
@@ -142,7 +150,7 @@ FormFactors ReplicateSums::formFactors(double measure_area, double count_area) c
 std::vector<Measured> ReplicateSums::measureRows(double measure_area) const {
   std::vector<Measured> rows;
   for (size_t k = 0; k < row_sums_.size(); ++k) {
-    const Measured count = measure(row_sums_[k], replicate_count_ - further_.replicates, 0);
+    const Measured count = measure(row_sums_[k], replicate_count_ - further_.replicates, {});
     const double scale = 2 * measure_area / ids_.areas[k];
     rows.push_back({count.value * scale, count.standard_error * scale});
   }

@@ -93,7 +93,8 @@ class ReplicateSums {
   // says little; over many pairs its squares have the right mean. It is 0 from a single replicate.
   double spreadOf(const PairSum& pair, double measure_area) const;
   // Returns the exchange area of one pair, which may have been summed elsewhere, in input units squared.
-  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area) const;
+  //   In: is_rare: whether a replicate's directions meet the pair less than once on average
+  Measured exchangeArea(const PairSum& pair, double measure_area, double count_area, bool is_rare = false) const;
 
   // Calls f(i, j, A_i F_ij) for every pair with a facing line, pairs with environment and leak included.
   template <class F>
@@ -108,7 +109,13 @@ class ReplicateSums {
 
  private:
   double varianceOf(const Sum& sum, uint64_t replicates) const;
-  Measured measure(const Sum& sum, uint64_t replicates, double most_counts) const;
+  // Steps say in which steps a pair's counts grow: D_0 and the least D_1 of docs/method.md, eq. (12).
+  struct Steps {
+    double of_direction = 1;  // counts of a direction, or a ray, that meets the pair
+    double least = 1;         // the least counts that come at a time
+  };
+  Steps stepsOf(const PairSum& pair, double count_area, bool is_rare) const;
+  Measured measure(const Sum& sum, uint64_t replicates, const Steps& steps) const;
   template <class ErrorOf>
   double largestOf(const ErrorOf& error_of) const;
 

@@ -144,22 +144,32 @@ class MixedRoom : public testing::Test {
   static inline std::unique_ptr<Run> mixed_;
 };
 
-// No entry errs by more than the goal. One entry in 1,000 may err by more than five stated errors, because few lines
-// met each entry. If common directions also count pairs as large as the goal, the test finds an error above the goal.
+// No entry errs by more than the goal. If common directions also count pairs as large as the goal, the test finds an
+// error above the goal.
 TEST_F(MixedRoom, ErrsByTheGoalAtMost) {
   ASSERT_EQ(truth_->plan.pair_lines->least_form_factor, 0);
   EXPECT_TRUE(mixed_->is_reached);
   const FormFactors found = mixed_->sums.formFactors();
   EXPECT_LE(largestError(found), kGoal);
-  uint64_t beyond = 0, counted = 0;
-  for (const FormFactors::Entry& entry : found.entries()) {
-    const Measured there = truth_->form_factors.exchangeArea(entry.i, entry.j), here = entry.exchange_area;
-    beyond += std::abs(here.value - there.value) > 5 * std::hypot(here.standard_error, there.standard_error);
-  }
+  uint64_t counted = 0;
   for (const ReplicateSums::PairSum& pair : mixed_->sums.by_id.pairs()) counted += pair.j < kEnvironment;
-  EXPECT_LE(double(beyond), 1e-3 * double(found.entries().size()));
   EXPECT_GT(counted, found.entries().size() / 2);
   EXPECT_GT(largestError(mix(3 * kGoal).sums.formFactors()), kGoal);
+}
+
+// A pair that few directions met errs by what one of them counts, even if two replicates agree. Without that, 3 in 1,000
+// entries of two replicates, and 4 in 100,000 of eight, err by more than five stated errors.
+TEST_F(MixedRoom, ErrorsHoldWhereFewDirectionsMeetAPair) {
+  constexpr double kMostBeyond = 1e-5;
+  for (const uint64_t replicates : {2, 8}) {
+    const FormFactors found = mix(kGoal / kMostOfCounted, By::polygon, 2, replicates).sums.formFactors();
+    uint64_t beyond = 0;
+    for (const FormFactors::Entry& entry : found.entries()) {
+      const Measured there = truth_->form_factors.exchangeArea(entry.i, entry.j), here = entry.exchange_area;
+      beyond += std::abs(here.value - there.value) > 5 * std::hypot(here.standard_error, there.standard_error);
+    }
+    EXPECT_LE(double(beyond), kMostBeyond * double(found.entries().size())) << replicates;
+  }
 }
 
 // Student's t of 7 degrees of freedom is above 5 in 1.6 of 1,000 cases. Rows would fall short by more than a tenth
