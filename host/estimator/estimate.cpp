@@ -32,7 +32,8 @@ FormFactors calibrated(FormFactors all, const RunSums& sums) {
   const bool has_counted = sums.lines && sums.lines->leastFormFactor() > 0;
   if (!has_counted || sums.lines->by() == By::surface || !all.ids().rows_sum_to_one) return all;
   return calibrateCounts(std::move(all), sums.lines->pairs(), kMostOfCounted * sums.lines->leastFormFactor(),
-                         sums.by_id.measureRows(sums.measure_area), sums.by_id.rayAreas());
+                         sums.by_id.measureRows(sums.measure_area),
+                         sums.by_id.exchangesOfRays(sums.measure_area, sums.countArea()));
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all, FormFactors between_surfaces) {

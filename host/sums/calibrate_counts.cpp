@@ -1,6 +1,7 @@
 #include "sums/calibrate_counts.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "sums/pair_walk.h"
@@ -20,12 +21,12 @@ class CountCalibration {
  public:
   CountCalibration(const std::vector<FormFactors::Entry>& entries, const std::vector<bool>& is_counted, double most,
                    const Ids& ids, const std::vector<Measured>& rows, const std::vector<Measured>& counted_rows,
-                   const Rows& ray_areas)
+                   const Rows& of_rays)
       : entries_(entries),
         is_counted_(is_counted),
         most_(most),
         ids_(ids),
-        ray_areas_(ray_areas),
+        of_rays_(of_rays),
         goal_(rows.size()),
         tolerance_(rows.size()),
         y_(rows.size()) {
@@ -44,16 +45,19 @@ class CountCalibration {
   }
 
   // Returns the calibrated exchange area of a counted pair.
-  double valueOf(const FormFactors::Entry& entry) const { return valueOf(entry, shareOf(entry)); }
+  double valueOf(const FormFactors::Entry& entry) const { return valueOf(entry, sharesOf(entry)); }
 
  private:
-  // Returns p_ij of a pair, by which y_i acts on it; y_j does by 2 - p_ij.
-  double shareOf(const FormFactors::Entry& entry) const {
-    if (ray_areas_.empty()) return 1;
-    return 2 * ray_areas_[entry.j] / (ray_areas_[entry.i] + ray_areas_[entry.j]);
+  // Returns p_ij and p_ji, by which y_i and y_j act on a pair.
+  std::array<double, 2> sharesOf(const FormFactors::Entry& entry) const {
+    if (of_rays_.empty()) return {1, 1};
+    const double a = of_rays_[entry.i], b = of_rays_[entry.j], of_ray = a * b / (a + b),
+                 value = entry.exchange_area.value, error = entry.exchange_area.standard_error,
+                 efficiency = std::min(1.0, error * error / (value * of_ray));
+    return {efficiency * 2 * b / (a + b), efficiency * 2 * a / (a + b)};
   }
-  double valueOf(const FormFactors::Entry& entry, double share) const {
-    const double tilt = share * y_[entry.i] + (2 - share) * y_[entry.j], root = 1 + tilt / 8, square = root * root,
+  double valueOf(const FormFactors::Entry& entry, const std::array<double, 2>& shares) const {
+    const double tilt = shares[0] * y_[entry.i] + shares[1] * y_[entry.j], root = 1 + tilt / 8, square = root * root,
                  fourth = square * square;
     return std::min(entry.exchange_area.value * fourth * fourth, most_ * ids_.smallerArea(entry.i, entry.j));
   }
@@ -63,11 +67,12 @@ class CountCalibration {
     return sumByRow(entries_.size(), y_.size(), [&](size_t k, RowTotals& totals) {
       if (!is_counted_[k]) return;
       const FormFactors::Entry& entry = entries_[k];
-      const double share = shareOf(entry), before = entry.exchange_area.value, after = valueOf(entry, share);
+      const std::array<double, 2> shares = sharesOf(entry);
+      const double before = entry.exchange_area.value, after = valueOf(entry, shares);
       const bool is_free = after < most_ * ids_.smallerArea(entry.i, entry.j);
-      for (const auto& [id, of_id] : {std::pair(entry.i, share), std::pair(entry.j, 2 - share)}) {
+      for (const auto& [id, share] : {std::pair(entry.i, shares[0]), std::pair(entry.j, shares[1])}) {
         totals[kGain][id] += after - before;
-        if (is_free) totals[kSlope][id] += of_id * after;
+        if (is_free) totals[kSlope][id] += share * after;
       }
     });
   }
@@ -76,7 +81,7 @@ class CountCalibration {
   const std::vector<bool>& is_counted_;
   double most_;
   const Ids& ids_;
-  const Rows& ray_areas_;
+  const Rows& of_rays_;
   Rows goal_, tolerance_, y_;
 };
 
@@ -91,12 +96,12 @@ std::vector<bool> findCounted(const std::vector<FormFactors::Entry>& entries, co
 }  // namespace
 
 FormFactors calibrateCounts(FormFactors all, const std::vector<LinePair>& with_lines, double most,
-                            const std::vector<Measured>& counted_rows, const std::vector<double>& ray_areas) {
+                            const std::vector<Measured>& counted_rows, const std::vector<double>& of_rays) {
   Ids ids = all.ids();
   std::vector<Measured> rows = all.rowSums();
   std::vector<FormFactors::Entry> entries = std::move(all).entries();
   const std::vector<bool> is_counted = findCounted(entries, with_lines);
-  CountCalibration calibration(entries, is_counted, most, ids, rows, counted_rows, ray_areas);
+  CountCalibration calibration(entries, is_counted, most, ids, rows, counted_rows, of_rays);
   calibration.solve();
   for (size_t k = 0; k < entries.size(); ++k)
     if (is_counted[k]) entries[k].exchange_area.value = calibration.valueOf(entries[k]);

@@ -15,16 +15,16 @@ namespace viewpeel {
 
 //   In: all: form factors between polygons, with environment and leak, whose rows add up to 1; with_lines: pairs whose
 //     entries stay, sorted; most: of a counted form factor, from the row with the smaller area; counted_rows: sums of
-//     counted entries by row, with standard errors that all.rowSums() include; ray_areas: double[rows], in any unit,
-//     the area for which one ray of a row stands; empty where common directions count
+//     counted entries by row, with standard errors that all.rowSums() include; of_rays: double[rows], the exchange area
+//     for which one ray of a row stands, input units squared; empty where common directions count
 //   Out: Counted values x_ij become min(x_ij (1 + t / 8)^8, most min(A_i, A_j)) with t = p_ij y_i + p_ji y_j, and keep
-//     their standard errors. Along common directions p is 1; of rays that stand for the areas a_i and a_j, p_ij is
-//     2 a_j / (a_i + a_j). Row i gains V_c / V of what it lacks, V being the variance of its sum, and V_c the part of
-//     its counts. Row sums keep the standard errors that they had before. The same bits for any number of threads.
+//     their standard errors. Along common directions p is 1; of rays it follows from the entry's variance. Row i gains
+//     V_c / V of what it lacks, V being the variance of its sum, and V_c the part of its counts. Row sums keep the
+//     standard errors that they had before. The same bits for any number of threads.
 //   Error: a row gains this to within a tenth of its standard error, or as near to it as |y| up to 1 allows;
 //     tests/unit/line_mixture_test.cpp.
 //   Cost: at most 20 passes over the entries; memory 48 bytes a row, and a bit an entry.
 FormFactors calibrateCounts(FormFactors all, const std::vector<LinePair>& with_lines, double most,
-                            const std::vector<Measured>& counted_rows, const std::vector<double>& ray_areas);
+                            const std::vector<Measured>& counted_rows, const std::vector<double>& of_rays);
 
 }  // namespace viewpeel

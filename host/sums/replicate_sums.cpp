@@ -117,6 +117,13 @@ double ReplicateSums::binomialVariance(uint32_t row, double exchange, double mea
   return std::max(0.0, exchange * (area - exchange)) / rays;
 }
 
+std::vector<double> ReplicateSums::exchangesOfRays(double measure_area, double count_area) const {
+  const double directions = count_area / measure_area * double(replicate_count_ - further_.replicates);
+  std::vector<double> exchanges = ray_areas_;
+  for (double& exchange : exchanges) exchange /= directions;
+  return exchanges;
+}
+
 double ReplicateSums::rayEfficiency(double measure_area, double count_area) const {
   if (ray_areas_.empty()) return 0;
   struct alignas(64) Part {  // threads write to different lines of the processor's caches

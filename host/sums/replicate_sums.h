@@ -53,7 +53,6 @@ class ReplicateSums {
   //   In: areas: double[ids], A N / n, with the area A of a row's largest polygon, its n rays in a replicate and the N
   //     directions of a replicate; input units squared
   void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
-  const std::vector<double>& rayAreas() const { return ray_areas_; }  // empty: counts are along common directions
   bool countsRays() const { return !ray_areas_.empty(); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
@@ -82,6 +81,9 @@ class ReplicateSums {
   FormFactors formFactors(double measure_area, double count_area = INFINITY) const;
   // Returns the row sums of the same form factors, with their own spread over replicates.
   std::vector<Measured> measureRows(double measure_area) const;
+  // Returns the exchange area for which one ray of each row stands, in the mean of all replicates: double[ids], input
+  // units squared; empty without rays.    In: as in formFactors
+  std::vector<double> exchangesOfRays(double measure_area, double count_area) const;
   // Returns how much the environments of rows with rays vary, over all rows: the sum of the variances of their form
   // factors over the sum of those that independent rays would have. Returns 0 without rays.    In: as in formFactors
   double rayEfficiency(double measure_area, double count_area) const;

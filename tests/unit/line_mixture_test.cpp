@@ -157,8 +157,8 @@ TEST_F(MixedRoom, ErrsByTheGoalAtMost) {
   EXPECT_GT(largestError(mix(3 * kGoal).sums.formFactors()), kGoal);
 }
 
-// A pair that few directions met errs by what one of them counts, even if two replicates agree. Without that, 3 in 1,000
-// entries of two replicates, and 4 in 100,000 of eight, err by more than five stated errors.
+// A pair that few directions met errs by what one of them counts, even if two replicates agree. Without that, 3 in
+// 1,000 entries of two replicates, and 4 in 100,000 of eight, err by more than five stated errors.
 TEST_F(MixedRoom, ErrorsHoldWhereFewDirectionsMeetAPair) {
   constexpr double kMostBeyond = 1e-5;
   for (const uint64_t replicates : {2, 8}) {
