@@ -87,6 +87,11 @@ bool LineGuarantee::narrow(Entry& entry, const Interval& interval, double value,
   return off <= options_.epsilon * ids_.smallerArea(entry.i, entry.j);
 }
 
+double LineGuarantee::chanceError(double visibility, double lines) {
+  const double likely = (lines * visibility + 0.5) / (lines + 1);
+  return std::sqrt(likely * (1 - likely) / (lines + 1) + 0.25 / ((lines + 1) * (lines + 1)));
+}
+
 // Sets interval, value and standard error after a look at uniform lines.    Out: whether the entry is finished
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   const double blockable = entry.blockable, rounding = entry.rounding();
@@ -95,8 +100,8 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
     const Part& part = parts_[entry.first_part + k];
     facing += part.exchange * double(part.count.facing) / double(part.count.lines);
     const double open_here = part.exchange * double(part.count.open) / double(part.count.lines);
-    open += open_here, guess += open_here * part.guess;
-    lines += double(part.count.lines);
+    open += open_here, guess += open_here * double(part.guess.visibility);
+    lines += part.isLeftOpen() ? double(part.guess.lines) : double(part.count.lines);
   }
   Interval seen{0, blockable};
   const bool is_proved = options_.delta == 0 || entry.isBounded();
@@ -106,11 +111,8 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
     const MeanBounds mean = chernoffBounds(facing / most, (facing + open) / most, lines, entry.log_chance);
     seen = {std::min(blockable, most * mean.lower), std::min(blockable, most * mean.upper)};
   }
-  // Half a facing and half a blocked line are added, as in eq. (46).
-  const double share = blockable > 0 ? (facing + guess) / blockable : 0, likely = (lines * share + 0.5) / (lines + 1);
-  const double standard_error =
-      entry.part_count ? blockable * std::sqrt(likely * (1 - likely) / (lines + 1) + 0.25 / ((lines + 1) * (lines + 1)))
-                       : 0;
+  const double share = blockable > 0 ? (facing + guess) / blockable : 0,
+               standard_error = entry.part_count ? blockable * chanceError(share, lines) : 0;
   const bool is_narrow =
       narrow(entry, {std::max(0.0, entry.clear + seen.lower - rounding), entry.clear + seen.upper + rounding},
              entry.clear + facing + guess, standard_error);

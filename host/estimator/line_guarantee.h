@@ -89,7 +89,7 @@ class LineGuarantee {
     uint32_t index;
     double exchange;  // input units squared
     uint32_t blockers;
-    float guess = 0.5f;  // visibility of open lines, guessed
+    VisibilityGuess guess{};  // of open lines
     UniformLineCount count{};
     uint64_t strata_lines = 0;
 
@@ -138,6 +138,9 @@ class LineGuarantee {
   double mostCandidates(const Entry& entry, const Part& part) const;
   Tasks tasksOf(std::span<const uint32_t> entries) const;
   void take(Entry& entry, std::span<const UniformTask> tasks);
+  // Returns the standard error of a visibility by so many lines. Half a facing and half a blocked line are added, as in
+  // docs/method.md, eq. (46).
+  static double chanceError(double visibility, double lines);
   bool settle(Entry& entry, uint32_t look) const;
   bool look(Entry& entry, const Tasks& tasks, size_t first);
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }

@@ -104,12 +104,13 @@ void LineGuarantee::addStrataTasks(const Entry& entry, std::vector<StrataTask>& 
 
 // Looks at lines in strata.    In: tasks: of all parts, done    Out: whether the entry is done
 bool LineGuarantee::lookAtStrata(Entry& entry, std::span<const StrataTask> tasks) {
-  double low = 0, high = 0, guess = 0, rounding = entry.rounding(), lines = 0;
+  double low = 0, high = 0, guess = 0, rounding = entry.rounding(), lines = 0, open_squares = 0;
   StrataFigures low_figures, high_figures;
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     Part& part = parts_[entry.first_part + k];
     if (part.isLeftOpen()) {
-      high += part.exchange, guess += part.exchange * double(part.guess);
+      high += part.exchange, guess += part.exchange * double(part.guess.visibility);
+      open_squares += std::pow(part.exchange * chanceError(double(part.guess.visibility), double(part.guess.lines)), 2);
       continue;
     }
     const StrataSums& sums = tasks[k].sums;
@@ -130,7 +131,7 @@ bool LineGuarantee::lookAtStrata(Entry& entry, std::span<const StrataTask> tasks
   const bool is_done = narrow(entry,
                               {std::max(0.0, entry.clear + low - below - rounding),
                                entry.clear + std::min(entry.blockable, high + above) + rounding},
-                              entry.clear + guess, std::sqrt(high_figures.squares));
+                              entry.clear + guess, std::sqrt(high_figures.squares + open_squares));
   --entry.strata_looks, entry.strata_drawn += lines;
   if (!is_done) planStrata(entry, high_figures, lines);
   return is_done;

@@ -194,13 +194,14 @@ UniformLineCount PairLines::drawUniform(uint32_t index, uint64_t series, uint64_
   return drawn.draw(streamOf(part, series), lines, vectors);
 }
 
-double PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vectors) const {
+VisibilityGuess PairLines::guessVisibility(uint32_t index, uint64_t series, Vectors vectors) const {
   const PatchPair& part = parts_.pairs[index];
   const Patch &a = finder_.patches()[part.a], &b = finder_.patches()[part.b];
   const LineDrawer drawer(a, b, a.plane == b.plane ? LineWay::contact : LineWay::angles, part.exchange,
                           finder_.blockers(), blockersOf(part));
   const DrawnLines lines = drawer.draw(scramblesOf(part, kLineReplicates.first + series), 0, 1, vectors);
-  return lines.all > 0 ? lines.facing / lines.all : 0.5;
+  if (!(lines.all > 0)) return {};
+  return {static_cast<float>(lines.facing / lines.all), static_cast<float>(lines.all * lines.all / lines.squares)};
 }
 
 void PairLines::drawUniformHere(std::span<UniformTask> tasks) const {
@@ -210,8 +211,7 @@ void PairLines::drawUniformHere(std::span<UniformTask> tasks) const {
       [&](size_t, size_t k) {
         UniformTask& task = tasks[k];
         if (task.lines) task.count += drawUniform(task.part, task.series, task.lines, task.most_candidates, vectors);
-        if (task.count.open == task.count.lines)
-          task.guess = static_cast<float>(guessVisibility(task.part, task.series, vectors));
+        if (task.count.open == task.count.lines) task.guess = guessVisibility(task.part, task.series, vectors);
       },
       [&](size_t) { stopIfRequested(); });
 }

@@ -64,10 +64,16 @@ struct PairSample {
   double sumOfSmall(double least_form_factor) const;
 };
 
+// A VisibilityGuess comes from a few scrambled lines of one part of a pair, or from none.
+struct VisibilityGuess {
+  float visibility = 0.5f;
+  float lines = 0;  // effective number: how many lines of equal weights would err as much
+};
+
 // A UniformTask asks for independent lines of one part of a pair.
 struct UniformTask {
   uint32_t part;           // PairLines::Part::index
-  float guess;             // visibility of open lines; drawUniform() sets it where all lines are open
+  VisibilityGuess guess;   // of open lines; drawUniform() sets it where all lines are open
   uint64_t series;         // lines of different series are independent
   uint64_t lines;          // to be added to `count`
   double most_candidates;  // of one line; where a line takes more, all lines are open
@@ -152,7 +158,7 @@ class PairLines {
   UniformLineCount drawUniform(uint32_t part, uint64_t series, uint64_t lines, double most_candidates,
                                Vectors vectors) const;
   // Estimates the visibility of one part from 16 scrambled lines.    In, Out: as drawUniform
-  double guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
+  VisibilityGuess guessVisibility(uint32_t part, uint64_t series, Vectors vectors) const;
   // Draws the lines of all tasks, and adds them to their counts.
   void drawUniform(std::span<UniformTask> tasks) const;
   // Draws the lines of all tasks, and sets their sums.
