@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <ranges>
 
 #include "directions/replicates.h"
 #include "directions/sampler.h"
@@ -99,8 +98,13 @@ std::vector<uint32_t> RmsRayPlanner::plan(const std::vector<LinePair>& with_line
                  efficiency = std::min(1.0, kOfOneRay * std::pow(mean, -kEvenness));
     return efficiency * sum(pairs, {usual.begin(), usual.end()}) > allowed;
   };
-  const auto steps = std::views::iota(0, kScaleSteps);
-  return scaled(*std::ranges::partition_point(steps, isTooFew));
+  int least = 0, most = kScaleSteps;
+  while (least < most) {
+    const int middle = (least + most) / 2;
+    if (isTooFew(middle)) least = middle + 1;
+    else most = middle;
+  }
+  return scaled(least);
 }
 
 }  // namespace viewpeel
