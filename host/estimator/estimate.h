@@ -55,7 +55,8 @@ struct EstimateOptions {
   // The run continues from these sums, whose replicates count towards `replicates`. The sums hold first_replicate and
   // the replicates after it, of the same scene, ids and options. May be nullptr.
   const RunSums* resumed = nullptr;
-  RayEngine* rays = nullptr;  // the engine, where it counts along rays (ray_engine.h)
+  RayEngine* rays = nullptr;         // the engine, where it counts along rays (ray_engine.h)
+  std::vector<double> line_steps{};  // by id, as in ReplicateSums::setLineSteps()
   // With a prior (find_prior.h) the engine and its ids must be by face, and the goals and the result are for the rows
   // of `by`. May be nullptr.
   const Prior* prior = nullptr;

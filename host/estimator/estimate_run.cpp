@@ -22,6 +22,7 @@ void requireSoundOptions(const EstimateOptions& options) {
 RunSums sumsToBeginWith(const Scene& scene, const Ids& ids, const EstimateOptions& options) {
   requireSoundOptions(options);
   RunSums sums = makeRunSums(scene, ids);
+  sums.setLineSteps(options.line_steps);
   if (options.prior && !options.resumed)
     sums.prior_sums.emplace(sums.by_id.ids(), sums.by_surface.ids(), options.by, *options.prior);
   return sums;

@@ -97,6 +97,16 @@ std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeG
   return lines;
 }
 
+std::vector<double> meanStepsOfLines(const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups,
+                                     double unit_area, Sampling sampling) {
+  const std::vector<uint64_t> lines = countsOfLines(ids, groups, unit_area);
+  std::vector<double> steps;
+  for (uint32_t id = 0; id < ids.count(); ++id)
+    steps.push_back(lineStep(double(lines[id]), sampling == Sampling::scanline, ids.areas[id] / ids.sides(),
+                             unit_area * scene.scale * scene.scale));
+  return steps;
+}
+
 FoundPrior findPrior(Engine& engine, FaceExchanges& exchanges, const Scene& scene, const Ids& ids,
                      const std::vector<SizeGroup>& groups, const EstimateOptions& options, PriorPilot pilot) {
   FoundPrior found;

@@ -36,6 +36,10 @@ std::vector<PairVisibility> fitVisibilities(const PairCounts& counts);
 //   In: groups: of the engine; unit_area: the engine's unitArea()
 std::vector<uint64_t> countsOfLines(const Ids& face_ids, const std::vector<SizeGroup>& groups, double unit_area);
 
+// Returns lineStep() of each id: double[ids].    In: groups, unit_area, sampling: of the engine
+std::vector<double> meanStepsOfLines(const Scene& scene, const Ids& ids, const std::vector<SizeGroup>& groups,
+                                     double unit_area, Sampling sampling);
+
 struct PriorPilot {
   uint32_t directions;                          // of all pilots
   uint64_t most_prior_pairs = kMostPriorPairs;  // up to this number, all pairs get unoccluded form factors

@@ -49,6 +49,7 @@ void writeCheckpoint(const Settings& settings, const RunSums& sums, const std::f
   writePriorSums(out, sums);
   writeLineSums(out, sums);
   if (!sums.rays.empty()) out.write("rays", sums.rays);
+  if (!sums.line_steps.empty()) out.write("line_steps", sums.line_steps);
   writeFile(
       file, [&](std::ostream& stream) { out.finish(stream); }, lock);
 }
@@ -86,6 +87,12 @@ Checkpoint readCheckpoint(const std::filesystem::path& file) {
     std::vector<uint32_t> rays = in.read<uint32_t>("rays", checkpoint.sums.by_id.ids().count());
     if (std::ranges::any_of(rays, [](uint32_t of_face) { return of_face == 0; })) in.refuse("its 'rays' have a 0");
     checkpoint.sums.countRays(std::move(rays));
+  }
+  if (in.has("line_steps")) {
+    std::vector<double> counts = in.read<double>("line_steps", checkpoint.sums.by_id.ids().count());
+    if (std::ranges::any_of(counts, [](double count) { return !(count >= 1); }))
+      in.refuse("its 'line_steps' are below 1");
+    checkpoint.sums.setLineSteps(std::move(counts));
   }
   if (!checkpoint.sums.isWhole()) in.refuse("its list of replicates does not agree with its sums");
   return checkpoint;
@@ -135,7 +142,8 @@ Checkpoint mergeCheckpoints(const std::vector<std::filesystem::path>& files) {
                       "same; were they made by one build of viewpeel?",
                       files[k].string(), files.front().string()));
     if (other.sums.lines.has_value() != merged.sums.lines.has_value() ||
-        (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)) || other.sums.rays != merged.sums.rays)
+        (merged.sums.lines && !merged.sums.lines->goesWith(*other.sums.lines)) || other.sums.rays != merged.sums.rays ||
+        other.sums.line_steps != merged.sums.line_steps)
       throw Error(ErrorCode::bad_usage, fmt::format("{}: pairs have other lines, or polygons other rays, than in {}, "
                                                     "for it had another goal; give all parts of a run the same goal "
                                                     "and --replicates",

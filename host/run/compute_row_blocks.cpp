@@ -10,6 +10,7 @@
 
 #include "directions/sampler.h"
 #include "engines/engine_factory.h"
+#include "engines/lattice.h"
 #include "estimator/plan.h"
 #include "io/hdf5_output.h"
 #include "io/hdf5_frame.h"
@@ -104,6 +105,8 @@ class RowBlocksRun {
     if (setup_.plans()) planByPilots();
     engine_ = latticeEngines(setup_.engine(), setup_.device())(scene_, setup_.ids(), lattice_);
     units_.measure_area = engine_->unitArea() * scene_.scale * scene_.scale / directions_;
+    units_.line = std::round(pointArea(lattice_.resolution) / engine_->unitArea());
+    units_.is_scanline = lattice_.sampling == Sampling::scanline;
     summary_.resolution = lattice_.resolution;
   }
   void planByPilots() {

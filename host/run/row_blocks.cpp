@@ -97,7 +97,11 @@ FormFactors RowBlocks::formFactors(uint32_t number, const BlockUnits& units) {
   Sums& sums = use(number);
   std::vector<Sum> rows(ids_.count());
   std::ranges::copy(sums.rows, rows.begin() + sums.block.first);
-  const ReplicateSums measured(ids_, sums.replicates, {}, std::move(rows));
+  ReplicateSums measured(ids_, sums.replicates, {}, std::move(rows));
+  std::vector<double> steps;
+  for (const double area : ids_.areas)
+    steps.push_back(lineStep(units.line, units.is_scanline, area / ids_.sides(), units.count_area));
+  measured.setLineSteps(std::move(steps));
   std::vector<FormFactors::Entry> entries;
   entries.reserve(sums.pairs.size());
   for (const PairSum& pair : sums.pairs)

@@ -27,6 +27,8 @@ RowBlock rowBlock(uint32_t count, uint32_t k, uint32_t n);
 // BlockUnits turn counts into form factors, and say which relative errors count.
 struct BlockUnits {
   double measure_area = 0, count_area = 0;  // as in ReplicateSums
+  double line = 1;                          // as lineStep() takes it, as the next is
+  bool is_scanline = false;
   double relative_floor = 0.01;
   double drop_below = 0;  // pairs whose form factors are smaller both ways are left out of the file
 };

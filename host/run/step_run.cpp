@@ -91,7 +91,11 @@ void FormFactorRun::State::begin() {
                      line_mixture.least_form_factor, estimateOptions());
     return beginEstimate(*line_run);
   }
-  estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), estimateOptions());
+  EstimateOptions options = estimateOptions();
+  if (!setup.isExact())
+    options.line_steps =
+        meanStepsOfLines(setup.scene(), setup.countedIds(), plan->groups, plan->engine->unitArea(), setup.sampling());
+  estimate_run.emplace(*plan->engine, setup.scene(), setup.countedIds(), std::move(options));
   beginEstimate(*estimate_run);
 }
 

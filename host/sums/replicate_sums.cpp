@@ -93,15 +93,18 @@ Measured ReplicateSums::measure(const Sum& sum, uint64_t replicate_count, const 
 }
 
 ReplicateSums::Steps ReplicateSums::stepsOf(const PairSum& pair, double count_area, bool is_rare) const {
-  if (std::isinf(count_area)) return {};
+  const double line = line_steps_.empty()     ? 1
+                      : pair.j < kEnvironment ? std::min(line_steps_[pair.i], line_steps_[pair.j])
+                                              : line_steps_[pair.i];
+  if (std::isinf(count_area)) return {line, line};
   if (!ray_areas_.empty()) {
     const double area = pair.j < kEnvironment ? std::min(ray_areas_[pair.i], ray_areas_[pair.j]) : ray_areas_[pair.i];
     return {1 + 8 / 27.0 * area / count_area, std::max(1.0, area / count_area / 2)};
   }
   const double area = ids_.smallerArea(pair.i, pair.j);
-  if (!is_rare) return {1 + 8 / 27.0 * area / count_area, 1};
+  if (!is_rare) return {line + 8 / 27.0 * area / count_area, line};
   const double side = std::sqrt(area / std::max(ids_.areas[pair.i], ids_.areas[pair.j])),
-               of_direction = 1 + 2 / 3.0 * std::pow(1 - side / 3, 2) * area / count_area;
+               of_direction = line + 2 / 3.0 * std::pow(1 - side / 3, 2) * area / count_area;
   return {of_direction, of_direction};
 }
 
@@ -189,6 +192,10 @@ double ReplicateSums::largestRelativeError(double measure_area, double floor, do
     const bool is_large = exchange.value / ids_.smallerArea(pair.i, pair.j) >= floor;
     return is_large ? exchange.standard_error / exchange.value : 0;
   });
+}
+
+double lineStep(double line, bool is_scanline, double area, double count_area) {
+  return std::max(1.0, is_scanline ? std::min(line, std::sqrt(line * area / 2 / count_area)) : line);
 }
 
 double unmetBound(double area, double count_area, double directions) {

@@ -53,6 +53,8 @@ class ReplicateSums {
   //   In: areas: double[ids], A N / n, with the area A of a row's largest polygon, its n rays in a replicate and the N
   //     directions of a replicate; input units squared
   void countRays(std::vector<double> areas) { ray_areas_ = std::move(areas); }
+  // Says what one line adds.    In: counts: double[ids], of a line that meets a polygon of the row, on average
+  void setLineSteps(std::vector<double> counts) { line_steps_ = std::move(counts); }
   bool countsRays() const { return !ray_areas_.empty(); }
   // Adds one replicate.    Cost: O(pairs), on all threads.
   void add(const PairCounts& counts);
@@ -126,8 +128,15 @@ class ReplicateSums {
   std::vector<Sum> row_sums_;
   uint64_t replicate_count_ = 0;
   FurtherReplicates further_;
-  std::vector<double> ray_areas_;  // by row, as in countRays(); empty: counts are along common directions
+  std::vector<double> ray_areas_;   // by row, as in countRays(); empty: counts are along common directions
+  std::vector<double> line_steps_;  // by row, as in setLineSteps(); empty: 1
 };
+
+// Returns the counts that a line adds on average where it meets a polygon, at least 1. A scanline adds no more than its
+// chord; the mean projection of the polygon is taken for a square.
+//   In: line: counts for the square of a spacing; area: of one side of the polygon; count_area: in the same units, the
+//     area for which one count stands
+double lineStep(double line, bool is_scanline, double area, double count_area);
 
 // Returns a bound on the form factor of a pair that no line met, with 95 % confidence: docs/method.md, eq. (13).
 //   In: area: the smaller area of the two ids, count_area: as above, both in input units squared; directions: number of

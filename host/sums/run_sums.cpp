@@ -69,6 +69,17 @@ void RunSums::countRays(std::vector<uint32_t> of_faces) {
   by_surface.countRays(std::move(areas_of_surfaces));
 }
 
+void RunSums::setLineSteps(std::vector<double> of_ids) {
+  line_steps = std::move(of_ids);
+  std::vector<double> of_surfaces(by_surface.ids().count(), 1);
+  for (uint32_t k = 0; k < line_steps.size(); ++k) {
+    double& largest = of_surfaces[by_id.ids().surface[k]];
+    largest = std::max(largest, line_steps[k]);
+  }
+  by_id.setLineSteps(line_steps);
+  by_surface.setLineSteps(std::move(of_surfaces));
+}
+
 // Notes that a replicate is done.
 void RunSums::note(uint64_t replicate, uint64_t direction_count) {
   replicates.push_back({replicate, replicate + 1});

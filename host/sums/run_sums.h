@@ -31,7 +31,8 @@ struct RunSums {
   std::optional<PriorSums> prior_sums{};   // in runs that use unoccluded form factors; ids of by_id are faces then
   // A run with pair lines has their sums here. Ids of by_id are faces then.
   std::optional<LineSums> lines{};
-  std::vector<uint32_t> rays{};  // by face, of a replicate, where by_id counts rays (ray_engine.h); else empty
+  std::vector<uint32_t> rays{};      // by face, of a replicate, where by_id counts rays (ray_engine.h); else empty
+  std::vector<double> line_steps{};  // by id, as in ReplicateSums::setLineSteps(); empty: 1
 
   uint64_t replicateCount() const { return by_id.replicateCount(); }
   // Returns whether PriorSums::byFace has the counts of all pairs: in runs by polygon that use unoccluded form factors.
@@ -44,6 +45,8 @@ struct RunSums {
 
   // Says that counts are of rays: ReplicateSums::countRays.    In: of_faces: uint32_t[ids of by_id]
   void countRays(std::vector<uint32_t> of_faces);
+  // Says what one line adds: ReplicateSums::setLineSteps.    In: of_ids: double[ids of by_id]
+  void setLineSteps(std::vector<double> of_ids);
   // Adds one replicate.
   //   In: replicate: its number, not among `replicates`; counts: along common directions, by id; direction_count:
   //     number of these directions; directed: counts of directed pairs along their directions

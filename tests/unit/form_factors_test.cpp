@@ -6,6 +6,10 @@
 
 #include <gtest/gtest.h>
 
+#include <viewpeel/compute.h>
+#include "scenes/generate.h"
+#include "scenes/triangulated_city.h"
+
 namespace viewpeel {
 namespace {
 
@@ -132,6 +136,43 @@ TEST(ReplicateSums, OneDirectionDoesNotTellHowManyLinesOthersSee) {
 
 // With at most one line at a time, (13) bounds the probability of a line. For larger polygons the bound no longer
 // depends on the area, since a direction meets them with many lines at once.
+// A unit of a scanline is 2^-10 of a spacing. Polygons of 1/64 of a spacing to the side have some 724 units of chord at
+// most, and a square of four spacings has whole scanlines.
+TEST(ReplicateSums, AScanlineAddsItsChord) {
+  constexpr double kLine = 1024, kCountArea = 1 / kLine;  // of a lattice whose spacing is 1
+  const double small = std::pow(1 / 64.0, 2);
+  EXPECT_DOUBLE_EQ(lineStep(kLine, true, small, kCountArea), kLine * std::sqrt(small / 2));
+  EXPECT_EQ(lineStep(kLine, true, 16, kCountArea), kLine);
+  EXPECT_EQ(lineStep(4, false, small, 1), 4);
+  EXPECT_EQ(lineStep(kLine, true, 1e-9, kCountArea), 1);
+  // Two replicates that agree err by half of such a line at least.
+  ReplicateSums sums(twoIds(small, 16));
+  sums.setLineSteps({lineStep(kLine, true, small, kCountArea), kLine});
+  sums.add({{0, 1, 5}});
+  sums.add({{0, 1, 5}});
+  EXPECT_GE(sums.exchangeArea({0, 1, {10, 50}}, 1, kCountArea).standard_error, kLine * std::sqrt(small / 2) / 2);
+}
+
+// Many triangles of the city are smaller than a lattice's square. With the spread of counts alone, one in 250 of the
+// entries errs by more than five stated errors.
+TEST(ReplicateSums, ErrorsHoldForPolygonsSmallerThanASpacing) {
+  constexpr double kMostBeyond = 1e-3;
+  const Scene scene = buildScene(bench::triangulatedCity(1'000).scene);
+  Request request;
+  request.goal = FixedAmount{.directions = 256, .replicates = 8}, request.engine = EngineKind::host;
+  const FormFactors found = computeFormFactors(scene, request).form_factors;
+  request.goal = RootMeanSquare{5e-5}, request.pair_lines = true;
+  const FormFactors truth = computeFormFactors(scene, request).form_factors;
+  uint64_t beyond = 0, pairs = 0;
+  for (const FormFactors::Entry& entry : found.entries()) {
+    if (entry.j >= kEnvironment) continue;
+    const Measured here = entry.exchange_area, there = truth.exchangeArea(entry.i, entry.j);
+    beyond += std::abs(here.value - there.value) > 5 * std::hypot(here.standard_error, there.standard_error);
+    ++pairs;
+  }
+  EXPECT_LE(double(beyond), kMostBeyond * double(pairs));
+}
+
 TEST(ReplicateSums, UnmetPairsAreBounded) {
   // (1 - p)^n = 5 % for p = 1 - 0.05^(1/n).
   EXPECT_NEAR(unmetBound(0.5, 2, 1000), 2 * 4 * (1 - std::pow(0.05, 1e-3)), 2e-3 * unmetBound(0.5, 2, 1000));
