@@ -13,7 +13,7 @@ using test::Corners;
 using test::isWithin;
 using test::rectangle;
 
-constexpr Interval kUnit{0, 1};
+constexpr Interval kSide{0, 1};
 
 Corners floorSquare() { return rectangle({0, 0, 0}, {1, 0, 0}, {0, 1, 0}); }
 Corners ceilingSquare() { return rectangle({0, 0, 1}, {0, 1, 0}, {1, 0, 0}); }
@@ -61,7 +61,7 @@ TEST(PastBlocker, FrontOfTheBlockerDoesNotMatter) {
 // to the whole.
 TEST(PastBlocker, WhatTheTilesOfALevelHideAddsUp) {
   const double ends[] = {-0.5, 0.3, 0.45, 1.5};
-  const double open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
+  const double open = parallelRectangles(kSide, kSide, kSide, kSide, 1);
   double hidden = 0, error = 0;
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j) {
@@ -81,8 +81,8 @@ TEST(PastBlocker, HalfALevelHidesHalfBySymmetry) {
 
 // The blocker touches the ceiling. The part of the ceiling that it covers drops out.
 TEST(PastBlocker, BlockerWithinThePlaneOfB) {
-  const double covered = parallelRectangles(kUnit, kUnit, {0.2, 0.7}, {0.5, 1}, 1),
-               open = parallelRectangles(kUnit, kUnit, kUnit, kUnit, 1);
+  const double covered = parallelRectangles(kSide, kSide, {0.2, 0.7}, {0.5, 1}, 1),
+               open = parallelRectangles(kSide, kSide, kSide, kSide, 1);
   EXPECT_TRUE(
       isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({0.2, 0.7}, {0.5, 1.5}, 1)), open - covered));
 }
@@ -97,7 +97,7 @@ TEST(PastBlocker, BlockerBehindEitherOrWithinThePlaneOfAStopsNothing) {
 // A blocker just above the floor covers the part of the floor below it. Light enters at its rim, from a strip as wide
 // as the gap. This changes the result by O(gap).
 TEST(PastBlocker, BlockerJustAboveACoversIt) {
-  const double gap = 1e-9, rest = parallelRectangles({0.4, 1}, kUnit, kUnit, kUnit, 1);
+  const double gap = 1e-9, rest = parallelRectangles({0.4, 1}, kSide, kSide, kSide, 1);
   EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), level({-1, 0.4}, {-1, 2}, gap)), 0.6 * rest,
                      kContourError + 20 * gap));
 }
@@ -107,8 +107,8 @@ TEST(PastBlocker, BlockerJustAboveACoversIt) {
 TEST(PastBlocker, PartitionThroughBoth) {
   for (double x : {0.5, 0.3}) {
     const Interval left{0, x}, right{x, 1};
-    const double truth = x * parallelRectangles(left, kUnit, left, kUnit, 1) +
-                         (1 - x) * parallelRectangles(right, kUnit, right, kUnit, 1);
+    const double truth = x * parallelRectangles(left, kSide, left, kSide, 1) +
+                         (1 - x) * parallelRectangles(right, kSide, right, kSide, 1);
     const Corners partition = rectangle({x, -20, -1}, {0, 41, 0}, {0, 0, 3});
     EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), ceilingSquare(), partition), truth)) << x;
   }
@@ -117,7 +117,7 @@ TEST(PastBlocker, PartitionThroughBoth) {
 // The partition stands on the floor. It hides the wall from the far half of the floor, and nothing from the near half.
 TEST(PastBlocker, PartitionHidesTheWallFromTheFarFloor) {
   const Corners partition = rectangle({0.5, -20, 0}, {0, 41, 0}, {0, 0, 40});
-  const double truth = 0.5 * perpendicularRectangles({0, 0.5}, kUnit, kUnit, kUnit);
+  const double truth = 0.5 * perpendicularRectangles({0, 0.5}, kSide, kSide, kSide);
   EXPECT_TRUE(isGood(formFactorPastBlocker(floorSquare(), wallSquare(), partition), truth));
 }
 
