@@ -14,11 +14,11 @@ namespace te = test_enclosures;
 namespace ts = test_scenes;
 using Entry = FormFactors::Entry;
 
-constexpr uint32_t kRows = 8;
+constexpr uint32_t kBoundedRows = 8;
 constexpr double kRounding = 1e-9;  // W/m2; fluxes are some 1,000
 
 struct Drawn {
-  std::vector<double> areas = std::vector<double>(kRows);
+  std::vector<double> areas = std::vector<double>(kBoundedRows);
   std::vector<Entry> entries;
 };
 
@@ -27,14 +27,14 @@ struct Drawn {
 Drawn drawTruth(std::mt19937_64& random, bool is_open) {
   std::uniform_real_distribution<double> uniform(0.1, 1);
   Drawn drawn;
-  for (uint32_t i = 0; i < kRows; ++i)
-    for (uint32_t j = i; j < kRows; ++j) {
+  for (uint32_t i = 0; i < kBoundedRows; ++i)
+    for (uint32_t j = i; j < kBoundedRows; ++j) {
       const double exchange = uniform(random);
       drawn.entries.push_back({i, j, {exchange, 0}});
       drawn.areas[i] += exchange;
       if (j != i) drawn.areas[j] += exchange;
     }
-  for (uint32_t i = 0; i < kRows && is_open; ++i) drawn.areas[i] += uniform(random);
+  for (uint32_t i = 0; i < kBoundedRows && is_open; ++i) drawn.areas[i] += uniform(random);
   return drawn;
 }
 
@@ -45,14 +45,14 @@ std::vector<Entry> withRest(const std::vector<double>& areas, std::vector<Entry>
     rest[entry.i] -= entry.exchange_area.value;
     if (entry.i != entry.j) rest[entry.j] -= entry.exchange_area.value;
   }
-  for (uint32_t i = 0; i < kRows; ++i) entries.push_back({i, kEnvironment, {rest[i], 0}});
+  for (uint32_t i = 0; i < kBoundedRows; ++i) entries.push_back({i, kEnvironment, {rest[i], 0}});
   std::ranges::sort(entries, {}, [](const Entry& entry) { return std::pair(entry.i, entry.j); });
   return entries;
 }
 
 std::vector<Material> materials() {
   std::vector<Material> found;
-  for (uint32_t i = 0; i < kRows; ++i)
+  for (uint32_t i = 0; i < kBoundedRows; ++i)
     found.push_back(i % 3 == 2 ? te::flux(0.5, 30.0 * i - 100) : te::hot(i % 3 == 0 ? 0.2 + 0.1 * i : 1, 300 + 15 * i));
   return found;
 }
@@ -81,7 +81,7 @@ TEST(SolveBounds, HoldForEveryMatrixWithinTheIntervals) {
         if (is_open || entry.i != entry.j) entry.exchange_area.value += random() % 2 ? width : -width;
       const FormFactors truth = te::formFactors(centre.areas, is_open ? withRest(centre.areas, moved) : moved);
       const HeatSolution of_truth = solveHeat(truth, enclosure);
-      for (uint32_t i = 0; i < kRows; ++i) {
+      for (uint32_t i = 0; i < kBoundedRows; ++i) {
         const HeatRow &row = found.rows[i], &true_row = of_truth.rows[i];
         ASSERT_TRUE(row.bounds);
         const auto expectWithin = [&](const Measured& a, const Measured& b, double bound) {
