@@ -10,7 +10,7 @@ BandErrors::BandErrors(const ClosedExchange& closed, const BandState& state, siz
     : closed_(closed), state_(state), weighted_(static_cast<Index>(weighted)), weight_(weight) {
   const auto count = static_cast<Index>(columns);
   changes_.assign(kFlux + 1, Changes::Zero(closed.areas.size(), count));
-  own_.assign(kFlux + 1, VectorXd::Zero(closed.areas.size()));
+  of_rows_.assign(kFlux + 1, VectorXd::Zero(closed.areas.size()));
   to_up_ = to_down_ = VectorXd::Zero(count);
   for (size_t k = 0; k < state.bandCount(); ++k) radiosities_.push_back(state.radiosity(k));
 }
@@ -47,7 +47,7 @@ void BandErrors::put(size_t place, const BandDisturbance& disturbance, const Ban
   }
 }
 
-void BandErrors::putOwn(const BandResponse& response) { own_ = changesOf(response); }
+void BandErrors::putOfRows(const BandResponse& response) { of_rows_ = changesOf(response); }
 
 double BandErrors::weighedSquares(const VectorXd& changes) const {
   return weight_ * changes.head(weighted_).squaredNorm() + changes.tail(changes.size() - weighted_).squaredNorm();
@@ -55,12 +55,12 @@ double BandErrors::weighedSquares(const VectorXd& changes) const {
 
 double BandErrors::standardError(Answer answer, const std::vector<Term>& terms) const {
   VectorXd changes = VectorXd::Zero(changes_[answer].cols());
-  double own = 0;  // squares
+  double of_rows = 0;  // squares
   for (const Term& term : terms) {
     changes += term.factor * changes_[answer].row(term.row).transpose();
-    own += std::pow(term.factor * own_[answer][term.row], 2);
+    of_rows += std::pow(term.factor * of_rows_[answer][term.row], 2);
   }
-  return std::sqrt(weighedSquares(changes) + own);
+  return std::sqrt(weighedSquares(changes) + of_rows);
 }
 
 }  // namespace viewpeel

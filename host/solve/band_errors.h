@@ -27,7 +27,7 @@ struct BandResponse {
 };
 
 // BandErrors have a column for each of several independent errors: how it changes all answers. Beside these, each row
-// may have an error of its own.
+// may have an error that no other row shares.
 class BandErrors {
  public:
   //   In: closed: its pairs are not read; both: referred to; columns: number of errors; weighted: number of the first
@@ -36,9 +36,9 @@ class BandErrors {
 
   // Sets a column. Several threads may set different columns at once.
   void put(size_t column, const BandDisturbance& disturbance, const BandResponse& response);
-  // Sets the rows' own errors. Each is independent of all others, and is left out of the flow to the environment.
-  //   In: response: of each row to its own error
-  void putOwn(const BandResponse& response);
+  // Sets errors of single rows. Each is independent of all others, and is left out of the flow to the environment.
+  //   In: response: of each row to its error
+  void putOfRows(const BandResponse& response);
 
   // An Answer is a quantity that has a value for each row of the solution.
   enum Answer { kTemperature, kEmission, kRadiosity, kIrradiation, kFlux };
@@ -63,9 +63,9 @@ class BandErrors {
   Eigen::Index weighted_;
   double weight_;
   BandVectors radiosities_;
-  std::vector<Changes> changes_;      // by Answer: rows x columns
-  std::vector<Eigen::VectorXd> own_;  // by Answer: the rows' own errors
-  Eigen::VectorXd to_up_, to_down_;   // by column
+  std::vector<Changes> changes_;          // by Answer: rows x columns
+  std::vector<Eigen::VectorXd> of_rows_;  // by Answer: errors of single rows
+  Eigen::VectorXd to_up_, to_down_;       // by column
 };
 
 }  // namespace viewpeel

@@ -285,9 +285,9 @@ class PeeledBands {
     for (Index k = 0; k < bands; ++k)
       of_next_line.col(k) =
           exchange_.errorOfNextLine(factors.col(k), state_.irradiations[size_t(k)], state_.outside[size_t(k)].power);
-    BandResponse own{linear.warm(of_next_line), {}};
-    for (Index k = 0; k < bands; ++k) own.irradiation.push_back(of_next_line.col(k));
-    errors.putOwn(own);
+    BandResponse of_rows{linear.warm(of_next_line), {}};
+    for (Index k = 0; k < bands; ++k) of_rows.irradiation.push_back(of_next_line.col(k));
+    errors.putOfRows(of_rows);
     return errors;
   }
 
