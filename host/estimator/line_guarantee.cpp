@@ -96,12 +96,14 @@ double LineGuarantee::chanceError(double visibility, double lines) {
 bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
   const double blockable = entry.blockable, rounding = entry.rounding();
   double facing = 0, open = 0, guess = 0, lines = 0;
+  double effective_lines = 0;  // of the estimate: open lines count as the lines of their guess
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     const Part& part = parts_[entry.first_part + k];
     facing += part.exchange * double(part.count.facing) / double(part.count.lines);
     const double open_here = part.exchange * double(part.count.open) / double(part.count.lines);
     open += open_here, guess += open_here * double(part.guess.visibility);
-    lines += part.isLeftOpen() ? double(part.guess.lines) : double(part.count.lines);
+    lines += double(part.count.lines);
+    effective_lines += part.isLeftOpen() ? double(part.guess.lines) : double(part.count.lines);
   }
   Interval seen{0, blockable};
   const bool is_proved = options_.delta == 0 || entry.isBounded();
@@ -112,7 +114,7 @@ bool LineGuarantee::settle(Entry& entry, uint32_t look) const {
     seen = {std::min(blockable, most * mean.lower), std::min(blockable, most * mean.upper)};
   }
   const double share = blockable > 0 ? (facing + guess) / blockable : 0,
-               standard_error = entry.part_count ? blockable * chanceError(share, lines) : 0;
+               standard_error = entry.part_count ? blockable * chanceError(share, effective_lines) : 0;
   const bool is_narrow =
       narrow(entry, {std::max(0.0, entry.clear + seen.lower - rounding), entry.clear + seen.upper + rounding},
              entry.clear + facing + guess, standard_error);
