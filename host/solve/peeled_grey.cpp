@@ -76,8 +76,8 @@ class Preconditioned {
 };
 
 // ReplicateErrors have a column for each of R replicates: how far irradiations move if its exchange replaces that of
-// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance. To it come the
-// errors of rows that few lines meet, each by itself.
+// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance. Rows that few
+// lines meet have one error more each, independently of each other.
 class ReplicateErrors : public CarriedErrors {
  public:
   ReplicateErrors(PeeledExchange& exchange, const HeatState& state, const Outside& outside, Preconditioned& solver)
