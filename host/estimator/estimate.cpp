@@ -7,6 +7,7 @@
 #include "memory.h"
 #include "sums/calibrate_counts.h"
 #include "sums/line_form_factors.h"
+#include "sums/row_sums.h"
 
 namespace viewpeel {
 
@@ -23,6 +24,29 @@ FormFactors keepSeen(FormFactors all) {
   std::vector<FormFactors::Entry> entries = std::move(all).entries();
   std::erase_if(entries, [](const FormFactors::Entry& entry) { return !(entry.exchange_area.value > 0); });
   return {std::move(ids), std::move(entries), std::move(row_sums)};
+}
+
+FormFactors withoutBlockers(FormFactors all) {
+  Ids ids = all.ids();
+  const auto isLeftOut = [&](const FormFactors::Entry& entry) {
+    return ids.onlyBlocks(entry.i) || ids.onlyBlocks(entry.j);
+  };
+  if (ids.only_blocks.empty() || std::ranges::none_of(all.entries(), isLeftOut)) return all;
+  std::vector<FormFactors::Entry> entries, left_out;
+  std::vector<Interval> intervals;
+  std::vector<bool> has_environment(ids.count());
+  for (size_t k = 0; k < all.entries().size(); ++k) {
+    const FormFactors::Entry& entry = all.entries()[k];
+    (isLeftOut(entry) ? left_out : entries).push_back(entry);
+    if (all.hasIntervals() && !isLeftOut(entry)) intervals.push_back(all.intervals()[k]);
+    if (entry.j == kEnvironment) has_environment[entry.i] = true;
+  }
+  // An environment is what pairs and blockers leave of its row, so that the row errs by what ends on blockers.
+  std::vector<Measured> row_sums = sumRows(entries, ids.areas);
+  const std::vector<Measured> on_blockers = sumRows(left_out, ids.areas);
+  for (size_t i = 0; i < row_sums.size(); ++i)
+    if (has_environment[i]) row_sums[i].standard_error = on_blockers[i].standard_error;
+  return {std::move(ids), std::move(entries), std::move(row_sums), std::move(intervals), all.unlistedBound()};
 }
 
 namespace {
@@ -89,9 +113,11 @@ Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors al
 }  // namespace
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, const ExchangeRow& row) {
-  FormFactors between_surfaces = keepSeen(sums.betweenSurfaces());  // before the others, for it takes memory meanwhile
+  FormFactors between_surfaces =
+      keepSeen(withoutBlockers(sums.betweenSurfaces()));  // before the others, for it takes memory meanwhile
   if (sums.lines && sums.lines->pairs().size() > kLargeList) returnFreedMemory();
-  return makeEstimate(sums, relative_floor, calibrated(sums.formFactors(row), sums), std::move(between_surfaces));
+  return makeEstimate(sums, relative_floor, withoutBlockers(calibrated(sums.formFactors(row), sums)),
+                      std::move(between_surfaces));
 }
 
 Estimate makeEstimate(const RunSums& sums, double relative_floor, FormFactors all) {

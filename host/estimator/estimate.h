@@ -79,6 +79,8 @@ struct EstimateOptions {
   double leastAllowedError() const;
 };
 
+// Returns the form factors without the entries of ids that only block, on which lines of other ids end.
+FormFactors withoutBlockers(FormFactors form_factors);
 // Returns the form factors without the entries that are 0.
 FormFactors keepSeen(FormFactors form_factors);
 

@@ -61,7 +61,7 @@ class LineGuarantee {
   Estimate estimate(const RunSums& sums, double relative_floor) const;
 
  private:
-  // An Entry is a form factor between two ids, or the leak of one id.
+  // An Entry is a form factor between two ids, or the leak of one id. One of the ids may only block (Ids::only_blocks).
   struct Entry {
     uint32_t i, j;
     double error = 0;                 // bound on the error of the sum of the next two
@@ -143,6 +143,10 @@ class LineGuarantee {
   static double chanceError(double visibility, double lines);
   bool settle(Entry& entry, uint32_t look) const;
   bool look(Entry& entry, const Tasks& tasks, size_t first);
+  // Returns whether an entry serves only the environment: the leak of a row, or what ends on a face that only blocks.
+  bool isOutsideResult(const Entry& entry) const {
+    return entry.j == kLeak || ids_.onlyBlocks(entry.i) || ids_.onlyBlocks(entry.j);
+  }
   std::string nameOf(uint32_t column) const { return column < kEnvironment ? ids_.names[column] : "leak"; }
   double linesOf(const Entry& entry, uint32_t look) const;
   FormFactors withEveryEnvironment(FormFactors all) const;

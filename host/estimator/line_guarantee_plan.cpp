@@ -94,7 +94,7 @@ void LineGuarantee::collectEntries(const std::vector<LinePair>& pairs) {
           ErrorCode::bad_usage,
           fmt::format("--epsilon {} is too small for the rounding errors of a guarantee; ask for {:.0e} or more",
                       options_.epsilon, kRoundingError / (1 - kLeastRoundingShare)));
-    if (entry.j == kLeak && !options_.rows) entry.allowed = INFINITY;  // no promise is made for leak alone
+    if (isOutsideResult(entry) && !options_.rows) entry.allowed = INFINITY;  // no promise is made for leak alone
   }
 }
 
@@ -112,13 +112,13 @@ void LineGuarantee::planLooks() {
     ++(entry.part_count == 0 ? figures_.exact : isDrawn(entry) ? figures_.drawn : figures_.bounded);
     if (entry.part_count == 0) continue;
     entry.weight = entry.first_weight = blockable / kFewestLines;
-    if (entry.j == kLeak && !options_.rows) {
-      // The leak gets enough lines for a standard error of at most epsilon.
-      const double allowed = options_.epsilon * ids_.areas[entry.i];
+    if (isOutsideResult(entry) && !options_.rows) {
+      // It gets enough lines for a standard error of at most epsilon.
+      const double allowed = options_.epsilon * ids_.smallerArea(entry.i, entry.j);
       entry.weight = entry.first_weight = std::min(entry.weight, 4 * allowed * allowed / blockable);
     }
     if (!isDrawn(entry)) {
-      entry.most_candidates = entry.j == kLeak ? kMostCandidatesOfSums : kMostCandidates;
+      entry.most_candidates = isOutsideResult(entry) ? kMostCandidatesOfSums : kMostCandidates;
       continue;
     }
     planEntryLooks(entry,

@@ -132,7 +132,7 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
       const Part& part = parts_[entry.first_part + k];
       estimate.lines += part.count.lines + part.strata_lines;
     }
-    if (entry.j == kLeak) continue;
+    if (isOutsideResult(entry)) continue;
     const double off = std::max(entry.interval.upper - entry.value, entry.value - entry.interval.lower);
     guarantee.bound = std::max(guarantee.bound, off / ids_.smallerArea(entry.i, entry.j));
   }
@@ -149,14 +149,17 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
   estimate.between_surfaces = by_polygon ? lineFormFactors(std::move(entries), face_ids_.surface, By::surface,
                                                            sums.by_surface, sums.measure_area)
                                          : all;
-  estimate.between_surfaces = keepSeen(std::move(estimate.between_surfaces));
+  estimate.between_surfaces = keepSeen(withoutBlockers(std::move(estimate.between_surfaces)));
   estimate.replicates = look_;
   estimate.directions = sums.directions;
-  estimate.largest_standard_error = largestStandardError(all);
-  estimate.largest_relative_error = largestRelativeError(all, relative_floor);
+  const auto measure = [&](const FormFactors& listed) {
+    estimate.largest_standard_error = largestStandardError(listed);
+    estimate.largest_relative_error = largestRelativeError(listed, relative_floor);
+  };
+  ids_.only_blocks.empty() ? measure(all) : measure(withoutBlockers(all));
   estimate.interrupted = !isDone();
   if (!isDone()) {
-    estimate.form_factors = keepSeen(std::move(all));
+    estimate.form_factors = keepSeen(withoutBlockers(std::move(all)));
     return estimate;
   }
   all = withEveryEnvironment(std::move(all));
@@ -173,7 +176,8 @@ Estimate LineGuarantee::estimate(const RunSums& sums, double relative_floor) con
     guarantee.row_bound = std::max(guarantee.row_bound, off);
   }
   const double unlisted_bound = options_.least_form_factor > 0 ? options_.epsilon : 0;
-  estimate.form_factors = FormFactors(ids, std::move(found), std::move(row_sums), std::move(intervals), unlisted_bound);
+  estimate.form_factors =
+      withoutBlockers({ids, std::move(found), std::move(row_sums), std::move(intervals), unlisted_bound});
   estimate.guarantee = guarantee;
   return estimate;
 }

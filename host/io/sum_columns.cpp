@@ -133,6 +133,8 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
   out.write(group + "/areas", ids.areas);
   out.write(group + "/surfaces", ids.surface);
   writeColumn<uint8_t>(out, group + "/requested", ids.requested, [](bool requested) { return requested; });
+  if (!ids.only_blocks.empty())
+    writeColumn<uint8_t>(out, group + "/only_blocks", ids.only_blocks, [](bool blocks) { return blocks; });
   out.write(group + "/splits_surfaces", std::vector<uint8_t>{ids.splits_surfaces});
   out.write(group + "/rows_sum_to_one", std::vector<uint8_t>{ids.rows_sum_to_one});
   out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
@@ -253,6 +255,9 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   for (uint8_t requested : in.read<uint8_t>(group + "/requested")) ids.requested.push_back(requested);
   if (!ids.requested.empty() && ids.requested.size() != ids.count())
     in.refuse(fmt::format("its '{}/requested' has {} values for {}", group, ids.requested.size(), ids.count()));
+  if (in.has(group + "/only_blocks"))
+    for (const uint8_t blocks : in.read<uint8_t>(group + "/only_blocks", ids.count()))
+      ids.only_blocks.push_back(blocks);
   ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
   ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
   ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");

@@ -64,9 +64,9 @@ bool covers(const Blocker& blocker, const Patch& patch);
 
 class PairFinder {
  public:
-  //   In: scene: kept by reference; leaking: by id: LeakingFaces::of_face
+  //   In: scene: kept by reference; leaking, ends_on_blockers: as for makePatches()
   //   Cost: O(n log n) for most scenes.
-  PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking = {});
+  PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking = {}, bool ends_on_blockers = false);
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }

@@ -33,14 +33,15 @@ bool areNear(const Patch& a, const Patch& b) {
 }  // namespace
 
 PairLines::PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaking, uint64_t seed, size_t threads,
-                     std::function<void()> stop, const Device* device, Crew* crew)
+                     std::function<void()> stop, const Device* device, Crew* crew, bool ends_on_blockers)
     : scene_(scene),
       ids_(face_ids),
       leaking_(std::move(leaking)),
+      ends_on_blockers_(ends_on_blockers),
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
-      finder_(scene, face_ids, leaking_.of_face),
+      finder_(scene, face_ids, leaking_.of_face, ends_on_blockers),
       device_(device),
       crew_(crew) {}
 

@@ -97,9 +97,11 @@ class PairLines {
   //   In: scene, face_ids: kept by reference; face_ids: row and roles by face; leaking: whose pairs with backs find()
   //   finds, too; threads: 0: one a core; stop: called between parts of the work, may throw, may be empty; device:
   //   draws lines, with the same bits as threads do; nullptr: threads draw; crew: other ranks, which draw their share
-  //   with the same bits; nullptr: there are none
+  //   with the same bits; nullptr: there are none; ends_on_blockers: whether find() also finds pairs of a face that
+  //   emits and one that only blocks
   PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaking, uint64_t seed, size_t threads = 0,
-            std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr);
+            std::function<void()> stop = {}, const Device* device = nullptr, Crew* crew = nullptr,
+            bool ends_on_blockers = false);
 
   // Finds all pairs with an unoccluded form factor above 0 that no single blocker hides, sorted. It plans no lines yet.
   //   In: least_form_factor: pairs with a smaller unoccluded form factor from the smaller face are left out
@@ -234,6 +236,7 @@ class PairLines {
   const Scene& scene_;
   const Ids& ids_;
   LeakingFaces leaking_;
+  bool ends_on_blockers_;
   uint64_t seed_;
   size_t threads_;
   std::function<void()> stop_;

@@ -88,7 +88,8 @@ double lengthOf(const Patch& patch) {
   return glm::length(patch.corners[(k + 1) % 3] - patch.corners[k]);
 }
 
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking) {
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking,
+                               bool ends_on_blockers) {
   std::vector<Patch> patches;
   const auto add = [&](uint32_t polygon, bool is_front, uint32_t roles, uint32_t id) {
     patches.push_back(patchOf(scene, polygon, is_front, roles));
@@ -96,7 +97,8 @@ std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::ve
   };
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {
     uint32_t roles = ids.rolesOf(k);
-    if (!roles) continue;
+    if (!roles && !ends_on_blockers) continue;
+    if (!roles) roles = kOnlyBlocks;
     if ((roles & kEmits) && !leaking.empty() && leaking[ids.of_polygon[k]]) roles |= kLeaks;
     add(k, true, roles, ids.of_polygon[k]);
     if (ids.two_sided) add(k, false, roles, ids.of_polygon[k]);

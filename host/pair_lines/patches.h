@@ -12,13 +12,14 @@
 namespace viewpeel {
 
 // A patch has these roles beside kEmits and kReceives. kLeaks: lines from it may end on backs. kIsBack: it is a back.
-constexpr uint32_t kLeaks = 4, kIsBack = 8;
+// kOnlyBlocks: it only blocks, and lines that end on it do not reach the environment.
+constexpr uint32_t kLeaks = 4, kIsBack = 8, kOnlyBlocks = 16;
 static_assert((kEmits | kReceives) < kLeaks);
 
 // Returns whether lines may run between two patches, or clusters of patches, with these roles.
 inline bool mayExchange(uint32_t a, uint32_t b) {
   const auto may = [](uint32_t from, uint32_t to) {
-    return ((from & kEmits) && (to & kReceives)) || ((from & kLeaks) && (to & kIsBack));
+    return ((from & kEmits) && (to & (kReceives | kOnlyBlocks))) || ((from & kLeaks) && (to & kIsBack));
   };
   return may(a, b) || may(b, a);
 }
@@ -30,7 +31,7 @@ struct Patch {
   uint32_t plane = 0;  // Scene::planes
   int height = 0;      // level in its plane: blockers of this plane with a higher level lie in front (stepsInFront)
   bool along_plane_normal = true;  // whether the side looks along its plane's normal
-  uint32_t roles = 0;              // kEmits, kReceives, kLeaks, kIsBack
+  uint32_t roles = 0;              // kEmits, kReceives, kLeaks, kIsBack, kOnlyBlocks
   bool is_part = false;            // whether its row has more polygons
   // 1: the whole side of the polygon. The halves of a patch with cut c have 2 c and 2 c + 1.
   uint32_t cut = 1;
@@ -55,8 +56,10 @@ std::array<Patch, 2> halvesOf(const Patch& patch);
 double lengthOf(const Patch& patch);
 
 // Makes patches of the sides that emit or receive, and of all backs where lines may end on them.
-//   In: ids: rows and roles of polygons; leaking: by id: LeakingFaces::of_face
+//   In: ids: rows and roles of polygons; leaking: by id: LeakingFaces::of_face; ends_on_blockers: whether lines may end
+//   on the sides of polygons that only block
 //   Cost: O(polygons).
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking);
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking,
+                               bool ends_on_blockers = false);
 
 }  // namespace viewpeel

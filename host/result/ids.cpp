@@ -79,6 +79,7 @@ void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids) 
   ids.requested.assign(ids.count(), question.from.empty() && question.pair.empty());
   for (uint32_t k = 0; k < scene.polygons.size(); ++k)
     if (ids.roles[k] & kEmits || (ids.roles[k] && !question.pair.empty())) ids.requested[ids.of_polygon[k]] = true;
+  if (!question.blockers.empty()) ids.only_blocks.assign(ids.count(), false);
   for (const std::string& name : question.blockers)
     for (uint32_t polygon : findPolygons(scene, name)) {
       if ((!question.from.empty() && (ids.roles[polygon] & kEmits)) || (!question.pair.empty() && ids.roles[polygon]))
@@ -86,6 +87,7 @@ void restrictToQuestion(const Question& question, const Scene& scene, Ids& ids) 
                     fmt::format("'{}' is asked for and also given as --blocker; leave out one of the two", name));
       ids.roles[polygon] = 0;
       ids.requested[ids.of_polygon[polygon]] = false;
+      ids.only_blocks[ids.of_polygon[polygon]] = true;
     }
   std::vector<uint32_t> roles_of_id(ids.count(), UINT32_MAX), roles_of_surface(scene.surfaces.size(), UINT32_MAX);
   for (uint32_t k = 0; k < scene.polygons.size(); ++k) {

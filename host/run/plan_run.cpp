@@ -63,6 +63,12 @@ bool mayEndOnBlockers(const Scene& scene, const Ids& ids) {
   return false;
 }
 
+// Returns whether some of the pairs are of faces that only block.
+bool haveBlockers(const std::vector<LinePair>& pairs, const Ids& ids) {
+  return std::ranges::any_of(pairs,
+                             [&](const LinePair& pair) { return ids.onlyBlocks(pair.i) || ids.onlyBlocks(pair.j); });
+}
+
 void requireSamePairs(const std::vector<LinePair>& found, const std::vector<LinePair>& stored) {
   if (!std::ranges::equal(found, stored, {}, keyOf<LinePair>, keyOf<LinePair>))
     throw Error(
@@ -122,17 +128,22 @@ std::string FormFactorRun::State::makePairLines() {
   const double least_share = setup.guarantee() ? kGrazedPart * setup.guarantee()->epsilon
                                                : std::min(kGrazedShare, setup.estimate().tolerance.value_or(1));
   const bool with_leak = leaked_share > least_share && !(setup.leastFormFactor() > 0);
-  const auto make = [&](LeakingFaces leaking) {
+  // By lines a row's environment is 1 less its pairs, the ones with blockers included.
+  const Ids& ids = setup.faceIds();
+  const bool ends_on_blockers = resumed ? haveBlockers(resumed->sums.lines->pairs(), ids)
+                                        : ids.counts_environment && mayEndOnBlockers(setup.scene(), ids);
+  const auto make = [&](LeakingFaces leaking, bool with_blockers) {
     pair_lines.emplace(
-        setup.scene(), setup.faceIds(), std::move(leaking), setup.request().seed, setup.request().threads,
-        [this] { stopIfRequested(); }, setup.lineDevice(), setup.crew());
+        setup.scene(), ids, std::move(leaking), setup.request().seed, setup.request().threads,
+        [this] { stopIfRequested(); }, setup.lineDevice(), setup.crew(), with_blockers);
   };
   // Few rays say about how many faces leak, until all pairs are sure to have lines.
   const uint32_t leak_rays = with_leak && !resumed ? leakRays() : 0;
   make(resumed         ? resumed->sums.lines->leakingFaces()
        : leak_rays > 0 ? LeakingFaces{surveyed_leaks}
-       : with_leak     ? LeakingFaces{std::vector<bool>(setup.faceIds().count(), true)}
-                       : LeakingFaces());
+       : with_leak     ? LeakingFaces{std::vector<bool>(ids.count(), true)}
+                       : LeakingFaces(),
+       ends_on_blockers);
   const bool insists = setup.request().pair_lines.value_or(false) || resumed;
   if (pair_lines->hasUnordered() && insists)
     throw Error(
@@ -140,18 +151,15 @@ std::string FormFactorRun::State::makePairLines() {
         "polygons coincide, and nothing says which of them lies in front, as pair lines need to know; name them by "
         "--sheets or --solids, or leave out --pair-lines");
   if (pair_lines->hasUnordered()) return "coincident polygons have no order";
-  // By lines a row's environment is 1 less its pairs, of which the ones with blockers would be missing.
-  const Ids& ids = setup.faceIds();
   if (rays_alone) {
     countAlongRays(raysAlone(*rays_alone));
     return "";
   }
-  const std::string why = may_leave && ids.counts_environment && mayEndOnBlockers(setup.scene(), ids)
-                              ? "rows see a --blocker, and lines do not tell it from what leaves the scene"
-                              : takeMixture();
-  // Rays or common directions that count small pairs count what leaks, too.
-  if (line_mixture.least_form_factor > 0 && !pair_lines->leakingFaces().of_face.empty()) make({});
-  else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays));
+  const std::string why = takeMixture();
+  // Rays or common directions that count small pairs count what leaves the scene or leaks, too.
+  const bool has_further = ends_on_blockers || !pair_lines->leakingFaces().of_face.empty();
+  if (line_mixture.least_form_factor > 0 && has_further) make({}, false);
+  else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays), ends_on_blockers);
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
   return why;
 }

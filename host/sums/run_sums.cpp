@@ -32,6 +32,11 @@ RunSums makeRunSums(const Scene& scene, const Ids& ids) {
     for (uint32_t k = 0; k < ids.count(); ++k)
       if (ids.requested[k]) surface_ids.requested[ids.surface[k]] = true;
   }
+  if (!ids.only_blocks.empty()) {
+    surface_ids.only_blocks.assign(surface_ids.count(), true);
+    for (uint32_t k = 0; k < ids.count(); ++k)
+      if (!ids.only_blocks[k]) surface_ids.only_blocks[ids.surface[k]] = false;
+  }
   return {ReplicateSums(ids), ReplicateSums(std::move(surface_ids)), {}};
 }
 

@@ -28,6 +28,7 @@ struct Ids {
   std::vector<uint32_t> roles;       // roles of each polygon of Scene::polygons; empty where all have both roles
   bool counts_environment = true;    // whether environment and leak are counted
   std::vector<bool> requested;       // whether each id is a requested row; empty where all are
+  std::vector<bool> only_blocks;     // whether each id only blocks, without a role; empty where none does
   bool splits_surfaces = false;      // roles differ within a surface, so sums by surface would mean nothing
   bool rows_sum_to_one = true;       // false where a question leaves out ids that a row can see
   std::vector<std::string> names;    // faceName, or the surface's name
@@ -37,6 +38,7 @@ struct Ids {
   std::vector<EmptyRow> empty_rows;  // rows of the file that have no id, in ascending order; results list them, too
 
   uint32_t rolesOf(uint32_t polygon_index) const { return roles.empty() ? kEmits | kReceives : roles[polygon_index]; }
+  bool onlyBlocks(uint32_t id) const { return id < only_blocks.size() && only_blocks[id]; }
   bool isRequested(uint32_t id) const { return requested.empty() || requested[id]; }
   // Returns the area of the pair's smaller id among the requested ones; infinite where neither is requested.
   double smallerArea(uint32_t i, uint32_t j) const {
@@ -69,7 +71,8 @@ struct Question {
 //   Throws: Error bad_usage where nothing has this name.    Cost: O(polygons).
 std::vector<uint32_t> findPolygons(const Scene& scene, const std::string& name);
 
-// Restricts ids to a question: sets roles, counts_environment, requested, splits_surfaces and rows_sum_to_one.
+// Restricts ids to a question: sets roles, counts_environment, requested, only_blocks, splits_surfaces and
+// rows_sum_to_one.
 //   In: ids: of this scene, as makeIds() returns them
 //   Throws: Error bad_usage for an unknown name, and for a pair together with `from`. The same for a row or column that
 //     is among the blockers, and for a part of a surface with By::surface.

@@ -111,6 +111,39 @@ TEST_F(Parts, PartsCountExactlyTheirReplicates) {
   }
 }
 
+// Lines that end on a --blocker are kept in checkpoints, and their pairs are in no result. What leaves the scene from
+// other rows is as in a run in which these buildings have rows.
+TEST_F(Parts, BlockersStayOutOfResultsOfCheckpoints) {
+  const std::string all = "compute " VIEWPEEL_SCENES "/street.obj --quiet --promise off --tolerance 3e-3 ",
+                    some = all + "--blocker building_e1 --blocker roof_e1 ";
+  const auto environments = [&](const std::string& csv) {
+    std::map<std::string, double> values;
+    std::istringstream lines(readFile(file(csv)));
+    for (std::string line; std::getline(lines, line);) {
+      EXPECT_TRUE(csv == "all.csv" || line.find("_e1") == std::string::npos) << line;
+      const size_t column = line.find(",environment,"), value = column + std::strlen(",environment,");
+      if (column != std::string::npos) values[line.substr(0, column)] = std::stod(line.substr(value));
+    }
+    return values;
+  };
+  ASSERT_EQ(run(all + "-o " + file("all.csv")).status, 0);
+  ASSERT_EQ(run(some + "-o " + file("some.csv") + " --checkpoint " + file("some.h5")).status, 0);
+  EXPECT_NE(run("merge " + file("some.h5")).output.find("lines of"), std::string::npos);
+  const auto of_all = environments("all.csv"), of_some = environments("some.csv");
+  EXPECT_GT(of_some.size(), 200u);
+  for (const auto& [row, value] : of_some) EXPECT_NEAR(of_all.at(row), value, 2 * 3e-3) << row;
+  ASSERT_EQ(run("merge --quiet " + file("some.h5") + " -o " + file("merged.csv")).status, 0);
+  EXPECT_EQ(readFile(file("merged.csv")), readFile(file("some.csv")));
+  for (const std::string part : {"1", "2"})
+    ASSERT_EQ(run(some + "--replicates 4 --part " + part + "/2 --checkpoint " + file(part + ".h5")).status, 0);
+  ASSERT_EQ(run("merge --quiet " + file("2.h5") + " " + file("1.h5") + " -o " + file("both.csv")).status, 0);
+  ASSERT_EQ(run(some + "--replicates 8 --resume --part 1/1 --checkpoint " + file("1.h5") + " -o " + file("resumed.csv"))
+                .status,
+            0);
+  EXPECT_EQ(readFile(file("both.csv")), readFile(file("resumed.csv")));
+  EXPECT_EQ(environments("both.csv").size(), of_some.size());
+}
+
 // Parts of a run in which large pairs have lines and common directions count all others. They merge to the bytes of a
 // run that goes on to all replicates alone. In the closed box a small slab hides parts of a large one.
 TEST_F(Parts, PartsOfAMixtureMergeToOneRun) {

@@ -153,8 +153,8 @@ TEST(SurveyOutside, RowsOfFarAwayPartsHaveTheirEnvironment) {
     }
 }
 
-// In a box without a lid hangs a sheet of two faces. Rows see as much of the sky where the sheet has no row. By lines
-// that would be 1 less the pairs of a row, and so hold what ends on the sheet.
+// In a box without a lid hangs a sheet of two faces. Without rows for the sheet, the other form factors stay as they
+// are: what ends on the sheet does not reach the sky. A row's sum lacks it.
 TEST(SurveyOutside, BlockersLeaveTheEnvironmentAsItIs) {
   constexpr double kTolerance = 1e-2;
   InputScene input = ts::insideOfCube();
@@ -166,21 +166,45 @@ TEST(SurveyOutside, BlockersLeaveTheEnvironmentAsItIs) {
   ts::addFace(input, "upper", sheet);
   ts::addFace(input, "lower", {sheet.rbegin(), sheet.rend()});
   const Scene scene = buildScene(input);
-  for (const Goal& goal : {Goal(Tolerance{kTolerance}), Goal(EpsilonDelta{.epsilon = kTolerance, .delta = 1e-6})}) {
+  const auto resultOf = [&](const Goal& goal, By by, std::optional<bool> promise, std::vector<std::string> blockers) {
     Request request;
-    request.by = By::polygon, request.goal = goal;
-    const FormFactors all = computeFormFactors(scene, request).form_factors;
-    request.question.blockers = {"upper", "lower"};
-    const FormFactors found = computeFormFactors(scene, request).form_factors;
-    for (uint32_t i = 0; i < 5; ++i) {
-      // All form factors are within the tolerance of the true ones. Common directions have it for a standard error.
-      const double left = all.formFactor(i, kEnvironment).value;
-      const Measured by_directions = found.formFactor(i, kEnvironment);
-      EXPECT_GT(left, 0.1);
-      EXPECT_NEAR(by_directions.value, left, kTolerance + 6 * by_directions.standard_error) << found.ids().names[i];
-      EXPECT_LE(by_directions.standard_error, kTolerance);
+    request.by = by, request.goal = goal, request.promise = promise;
+    request.question.blockers = std::move(blockers);
+    return computeFormFactors(scene, request);
+  };
+  const EpsilonDelta of_pairs{.epsilon = kTolerance, .delta = 1e-6},
+      of_rows{.epsilon = kTolerance, .delta = 1e-6, .rows = true};
+  const std::pair<Goal, std::optional<bool>> goals[] = {
+      {Tolerance{kTolerance}, true}, {Tolerance{kTolerance}, false}, {of_pairs, std::nullopt}, {of_rows, std::nullopt}};
+  for (const auto& [goal, promise] : goals)
+    for (const By by : {By::polygon, By::surface}) {
+      const FormFactors all = resultOf(goal, by, promise, {}).form_factors;
+      const Result found = resultOf(goal, by, promise, {"upper", "lower"});
+      const FormFactors& rest = found.form_factors;
+      const uint32_t upper = 5, lower = 6;  // each side of the cube is a surface
+      ASSERT_EQ(all.ids().names[upper].substr(0, 5), "upper");
+      EXPECT_EQ(rest.hasIntervals(), promise != std::optional(false));
+      for (uint32_t i = 0; i < upper; ++i) {
+        const double left = all.formFactor(i, kEnvironment).value,
+                     on_sheet = all.formFactor(i, upper).value + all.formFactor(i, lower).value;
+        EXPECT_GT(left, 0.1);
+        // All form factors of both runs are within the tolerance.
+        EXPECT_NEAR(rest.formFactor(i, kEnvironment).value, left, 2 * kTolerance) << rest.ids().names[i];
+        EXPECT_NEAR(rest.rowSums()[i].value, 1 - on_sheet, 4 * kTolerance) << rest.ids().names[i];
+        for (uint32_t j = 0; j < upper; ++j)
+          EXPECT_NEAR(rest.formFactor(i, j).value, all.formFactor(i, j).value, 2 * kTolerance);
+      }
+      for (const FormFactors* of : {&rest, &found.between_surfaces})
+        for (const FormFactors::Entry& entry : of->entries())
+          EXPECT_TRUE(entry.i < upper && (entry.j < upper || entry.j >= kEnvironment));
+      if (rest.hasIntervals()) {
+        ASSERT_EQ(rest.intervals().size(), rest.entries().size());
+        for (size_t k = 0; k < rest.entries().size(); ++k) {
+          const double value = rest.entries()[k].exchange_area.value;
+          EXPECT_TRUE(rest.intervals()[k].lower <= value && value <= rest.intervals()[k].upper);
+        }
+      }
     }
-  }
 }
 
 // A promise has no room for leaks, and an estimate has lines that end on backs, whatever the seed.
