@@ -216,6 +216,8 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   out.write("lines/least_form_factor", std::vector<double>{lines.leastFormFactor()});
   const std::vector<bool>& leaking = lines.leakingFaces().of_face;
   out.write("lines/leaking", std::vector<uint8_t>(leaking.begin(), leaking.end()));
+  if (const std::vector<bool>& backs = lines.leakingFaces().backs; !backs.empty())
+    out.write("lines/leak_backs", std::vector<uint8_t>(backs.begin(), backs.end()));
   out.write("lines/leak_rays", std::vector<uint32_t>{lines.leakingFaces().rays});
   const auto& pairs = lines.pairs();
   writeColumn<uint32_t>(out, "lines/i", pairs, [](const LinePair& pair) { return pair.i; });
@@ -387,6 +389,9 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   if (!std::ranges::all_of(pairs, mayHave))
     in.refuse("its 'lines' have backs of faces that 'lines/leaking' leaves out");
   LeakingFaces leaking_faces{{leaking.begin(), leaking.end()}, readOne<uint32_t>(in, "lines/leak_rays")};
+  if (in.has("lines/leak_backs"))
+    for (const uint8_t back : in.read<uint8_t>("lines/leak_backs", face_ids.count()))
+      leaking_faces.backs.push_back(back);
   return LineSums(face_ids, by, std::move(pairs), least, std::move(leaking_faces), sums, replicate_count);
 }
 

@@ -57,7 +57,7 @@ bool covers(const Blocker& blocker, const Patch& patch) {
   return true;
 }
 
-PairFinder::PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking, bool ends_on_blockers)
+PairFinder::PairFinder(const Scene& scene, const Ids& ids, const LeakingFaces& leaking, bool ends_on_blockers)
     : two_sided_(ids.two_sided), patches_(makePatches(scene, ids, leaking, ends_on_blockers)), unoccluded_(scene) {
   std::vector<uint32_t> of_polygon;
   blockers_ = makeBlockers(scene, true, &of_polygon);

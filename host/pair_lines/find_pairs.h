@@ -66,7 +66,7 @@ class PairFinder {
  public:
   //   In: scene: kept by reference; leaking, ends_on_blockers: as for makePatches()
   //   Cost: O(n log n) for most scenes.
-  PairFinder(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking = {}, bool ends_on_blockers = false);
+  PairFinder(const Scene& scene, const Ids& ids, const LeakingFaces& leaking = {}, bool ends_on_blockers = false);
 
   const std::vector<Patch>& patches() const { return patches_; }
   const std::vector<Blocker>& blockers() const { return blockers_; }

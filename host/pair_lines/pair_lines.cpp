@@ -41,7 +41,7 @@ PairLines::PairLines(const Scene& scene, const Ids& face_ids, LeakingFaces leaki
       seed_(seed),
       threads_(threads ? threads : threadCount()),
       stop_(std::move(stop)),
-      finder_(scene, face_ids, leaking_.of_face, ends_on_blockers),
+      finder_(scene, face_ids, leaking_, ends_on_blockers),
       device_(device),
       crew_(crew) {}
 

@@ -88,8 +88,7 @@ double lengthOf(const Patch& patch) {
   return glm::length(patch.corners[(k + 1) % 3] - patch.corners[k]);
 }
 
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking,
-                               bool ends_on_blockers) {
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const LeakingFaces& leaking, bool ends_on_blockers) {
   std::vector<Patch> patches;
   const auto add = [&](uint32_t polygon, bool is_front, uint32_t roles, uint32_t id) {
     patches.push_back(patchOf(scene, polygon, is_front, roles));
@@ -99,12 +98,14 @@ std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::ve
     uint32_t roles = ids.rolesOf(k);
     if (!roles && !ends_on_blockers) continue;
     if (!roles) roles = kOnlyBlocks;
-    if ((roles & kEmits) && !leaking.empty() && leaking[ids.of_polygon[k]]) roles |= kLeaks;
+    if ((roles & kEmits) && !leaking.of_face.empty() && leaking.of_face[ids.of_polygon[k]]) roles |= kLeaks;
     add(k, true, roles, ids.of_polygon[k]);
     if (ids.two_sided) add(k, false, roles, ids.of_polygon[k]);
   }
-  if (!leaking.empty() && !ids.two_sided)
-    for (uint32_t k = 0; k < scene.polygons.size(); ++k) add(k, false, kIsBack, ids.count() + ids.of_polygon[k]);
+  for (uint32_t k = 0; k < scene.polygons.size() && !leaking.of_face.empty() && !ids.two_sided; ++k) {
+    const uint32_t id = ids.of_polygon[k];
+    if (leaking.backs.empty() || leaking.backs[id]) add(k, false, kIsBack, ids.count() + id);
+  }
   std::vector<uint32_t> patch_counts(2 * ids.count());
   for (const Patch& patch : patches) ++patch_counts[patch.id];
   for (Patch& patch : patches) patch.is_part = patch_counts[patch.id] > ids.sides();

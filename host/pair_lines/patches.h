@@ -7,6 +7,7 @@
 #include <glm/vec3.hpp>
 
 #include <viewpeel/ids.h>
+#include "sums/line_sums.h"
 #include "unoccluded/unoccluded.h"
 
 namespace viewpeel {
@@ -56,10 +57,9 @@ std::array<Patch, 2> halvesOf(const Patch& patch);
 double lengthOf(const Patch& patch);
 
 // Makes patches of the sides that emit or receive, and of all backs where lines may end on them.
-//   In: ids: rows and roles of polygons; leaking: by id: LeakingFaces::of_face; ends_on_blockers: whether lines may end
-//   on the sides of polygons that only block
+//   In: ids: rows and roles of polygons; ends_on_blockers: whether lines may end on sides of polygons that only block
 //   Cost: O(polygons).
-std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const std::vector<bool>& leaking,
+std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const LeakingFaces& leaking,
                                bool ends_on_blockers = false);
 
 }  // namespace viewpeel

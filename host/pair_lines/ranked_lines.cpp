@@ -75,7 +75,8 @@ uint64_t PairLines::hashOfParts() const {
 std::vector<LinePair> PairLines::findOnRanks(double least_form_factor) {
   MessageWriter out;
   out.put(RankWork::find_pairs).put(seed_).put(device_ != nullptr).put(least_form_factor).put(ends_on_blockers_);
-  out.putAll(std::vector<char>(leaking_.of_face.begin(), leaking_.of_face.end()));
+  for (const std::vector<bool>* of : {&leaking_.of_face, &leaking_.backs})
+    out.putAll(std::vector<char>(of->begin(), of->end()));
   putIds(out, ids_);
   const std::string question = out.take();
   std::vector<LinePair> pairs;
@@ -182,11 +183,11 @@ std::string LineServer::find(MessageReader& in) {
   const auto on_device = in.get<bool>();
   const auto least = in.get<double>();
   const auto ends_on_blockers = in.get<bool>();
-  const std::vector<char> leaking = in.getAll<char>();
+  const std::vector<char> leaking = in.getAll<char>(), backs = in.getAll<char>();
   lines_.reset();
   face_ids_ = std::make_unique<const Ids>(getIds(in));
-  lines_.emplace(scene_, *face_ids_, LeakingFaces{{leaking.begin(), leaking.end()}}, seed, threads_, stop_,
-                 on_device ? device_() : nullptr, nullptr, ends_on_blockers);
+  lines_.emplace(scene_, *face_ids_, LeakingFaces{{leaking.begin(), leaking.end()}, 0, {backs.begin(), backs.end()}},
+                 seed, threads_, stop_, on_device ? device_() : nullptr, nullptr, ends_on_blockers);
   pairs_ = lines_->find(least);
   return MessageWriter().put(lines_->hashOfParts()).take();
 }

@@ -16,6 +16,7 @@
 #include "run/rules.h"
 #include "run/run_state.h"
 #include "run/settings.h"
+#include "scene/exposed_backs.h"
 #include "sums/add_pairs.h"
 #include "threads.h"
 
@@ -27,6 +28,8 @@ constexpr double kLeastLeft = 0.1;       // lines get this share of a time limit
 // Lines that graze edges may end on backs by rounding where nothing leaks. They are at most this share of a row's
 // lines: in cities of 1,000 to 6,600 triangles 4e-5 were measured.
 constexpr double kGrazedShare = 1e-3;
+// Pairs with exposed backs get lines where they are few, or at most this share of the pairs.
+constexpr double kFewPairs = 2e5, kExposedShare = 0.125;
 // Lines are planned by standard errors of single pairs, which are larger than errors in sums.
 constexpr double kPlannedRms = 1.4;
 
@@ -118,6 +121,17 @@ PairCounts FormFactorRun::State::countDirections(uint32_t count) {
       sampleDirections(setup.estimate().sampler, count, setup.request().seed, kLineReplicates.first));
 }
 
+// Returns the faces whose backs get lines although no ray of the survey ended on one: as few as are exposed, so that
+// their lines cost little beside the others.
+LeakingFaces FormFactorRun::State::exposedFaces() const {
+  const Ids& ids = setup.faceIds();
+  if (!may_leave || !ids.counts_environment || ids.two_sided || setup.leastFormFactor() > 0) return {};
+  std::vector<bool> is_exposed = findExposedBacks(setup.scene());
+  const auto exposed = double(std::ranges::count(is_exposed, true)), all = double(ids.count());
+  if (exposed == 0 || exposed * all > std::max(kFewPairs, kExposedShare * all * all)) return {};
+  return {std::vector<bool>(ids.count(), true), 0, std::move(is_exposed)};
+}
+
 // Makes pair_lines and finds blockers, and decides what counts.    Out: why pair lines are not possible, else empty
 std::string FormFactorRun::State::makePairLines() {
   plan.emplace();
@@ -142,7 +156,8 @@ std::string FormFactorRun::State::makePairLines() {
   make(resumed         ? resumed->sums.lines->leakingFaces()
        : leak_rays > 0 ? LeakingFaces{surveyed_leaks}
        : with_leak     ? LeakingFaces{std::vector<bool>(ids.count(), true)}
-                       : LeakingFaces(),
+       : rays_alone    ? LeakingFaces()
+                       : exposedFaces(),
        ends_on_blockers);
   const bool insists = setup.request().pair_lines.value_or(false) || resumed;
   if (pair_lines->hasUnordered() && insists)

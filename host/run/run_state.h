@@ -129,6 +129,7 @@ struct FormFactorRun::State {
   bool maySurvey() const;
   uint32_t leakRays() const;
   LeakingFaces findLeakingFaces(uint32_t leak_rays);
+  LeakingFaces exposedFaces() const;
   std::string makePairLines();
   std::string takeMixture();
   bool mayHaveRays() const;

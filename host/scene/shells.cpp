@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bitset>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -84,6 +85,7 @@ class ShellFinder {
   }
   void joinMany(std::vector<EdgeUse> uses);
   double wedgeBetween(const EdgeUse& a, const EdgeUse& b) const;
+  void findOpenings(std::vector<Shell>& shells, const std::vector<uint32_t>& shell_of);
 
   const Scene& scene_;
   Sides sides_;
@@ -210,6 +212,34 @@ void ShellFinder::joinMany(std::vector<EdgeUse> uses) {
   }
 }
 
+// Finds the shells that are not closed, and those of them whose open edges lie on one side of the bounding box.
+void ShellFinder::findOpenings(std::vector<Shell>& shells, const std::vector<uint32_t>& shell_of) {
+  dvec3 low(INFINITY), high(-INFINITY);
+  for (const dvec3& place : places_) low = glm::min(low, place), high = glm::max(high, place);
+  const auto sidesOf = [&](const dvec3& place) {
+    std::bitset<6> sides;
+    for (int axis = 0; axis < 3; ++axis)
+      sides[2 * axis] = place[axis] == low[axis], sides[2 * axis + 1] = place[axis] == high[axis];
+    return sides;
+  };
+  std::vector<std::bitset<6>> with_all_openings(shells.size(), std::bitset<6>().set());
+  forEachEdge([&](const EdgeUse* first, size_t count) {
+    for (size_t a = 0; a < count; ++a) {
+      const uint32_t shell = shell_of[faceOf(first[a])];
+      int balance = 0;
+      for (size_t b = 0; b < count; ++b)
+        if (shell_of[faceOf(first[b])] == shell)
+          balance += (first[b].is_forward != sides_.find(faceOf(first[b])).second) ? 1 : -1;
+      if (balance == 0) continue;
+      shells[shell].is_closed = false;
+      shells[shell].outer_opening = places_[first->low];
+      with_all_openings[shell] &= sidesOf(places_[first->low]) & sidesOf(places_[first->high]);
+    }
+  });
+  for (size_t k = 0; k < shells.size(); ++k)
+    if (with_all_openings[k].none()) shells[k].outer_opening.reset();
+}
+
 std::vector<Shell> ShellFinder::find() {
   constexpr size_t kMostAtAnEdge = 64;  // above this number not all pairs of edges are compared
   nameVertices();
@@ -240,15 +270,7 @@ std::vector<Shell> ShellFinder::find() {
     shell.is_twisted = shell.is_twisted || is_twisted_[face];
     area_of_side[at->second][turned] += areas[face];
   }
-  forEachEdge([&](const EdgeUse* first, size_t count) {
-    for (size_t a = 0; a < count; ++a) {
-      int balance = 0;
-      for (size_t b = 0; b < count; ++b)
-        if (shell_of[faceOf(first[a])] == shell_of[faceOf(first[b])])
-          balance += (first[b].is_forward != sides_.find(faceOf(first[b])).second) ? 1 : -1;
-      if (balance != 0) shells[shell_of[faceOf(first[a])]].is_closed = false;
-    }
-  });
+  findOpenings(shells, shell_of);
   for (size_t k = 0; k < shells.size(); ++k)
     if (area_of_side[k][1] > area_of_side[k][0]) shells[k].is_against.flip();
   return shells;

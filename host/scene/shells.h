@@ -2,7 +2,10 @@
 // turned the wrong way.
 #pragma once
 #include <cstdint>
+#include <optional>
 #include <vector>
+
+#include <glm/vec3.hpp>
 
 #include <viewpeel/scene.h>
 #include "scene/sight.h"
@@ -12,7 +15,10 @@ namespace viewpeel {
 struct Shell {
   std::vector<uint32_t> faces;   // indices into Scene::faces, ascending
   std::vector<bool> is_against;  // for each face: its front is not on the side where most of the shell's fronts are
-  bool is_closed = false;   // every edge belongs to two faces of the shell, which run along it in opposite directions
+  bool is_closed = false;  // every edge belongs to two faces of the shell, which run along it in opposite directions
+  // Where a shell is open, and all open edges lie on one side of the scene's bounding box: a point of these edges, in
+  // Scene's coordinates. No line between two faces passes through such an opening.
+  std::optional<glm::dvec3> outer_opening;
   bool is_twisted = false;  // faces cannot all be turned to one side, as in a Moebius strip
 };
 

@@ -64,6 +64,7 @@ struct LeakingFaces {
   std::vector<bool> of_face;  // by id; empty: from no face
   // This number of rays from each other face ended on no back; 0: there are no other faces, or no rays from them.
   uint32_t rays = 0;
+  std::vector<bool> backs{};  // by id, whether lines may end on its back; empty: on all backs
 
   bool operator==(const LeakingFaces&) const = default;
 };

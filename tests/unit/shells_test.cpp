@@ -9,6 +9,7 @@
 
 #include <viewpeel/form_factors.h>
 #include "result/leak_warnings.h"
+#include "scene/exposed_backs.h"
 #include "scene/leaks.h"
 #include "scene/shells.h"
 #include "scenes/coincident_scenes.h"
@@ -70,6 +71,70 @@ TEST(Shells, AMoebiusStripCannotBeTurned) {
 }
 
 // No face is turned in correct scenes: rooms, solids, sheets and contacts, also moved and in single precision.
+// Returns the names of the surfaces of which all backs are exposed. No surface has both kinds.
+std::set<std::string> exposedIn(const InputScene& input) {
+  const Scene scene = buildScene(input);
+  const std::vector<bool> is_exposed = findExposedBacks(scene);
+  std::set<std::string> exposed, hidden;
+  for (size_t k = 0; k < scene.faces.size(); ++k)
+    (is_exposed[k] ? exposed : hidden).insert(scene.surfaces[scene.faces[k].surface].name);
+  for (const std::string& name : exposed) EXPECT_FALSE(hidden.contains(name)) << name;
+  return exposed;
+}
+
+// Adds the sides and the top of a house that stands on the ground, z = 0, without a floor.
+void addHouse(InputScene& input, const char* name, glm::dvec3 low, glm::dvec3 high) {
+  InputScene solid = emptyScene(name);
+  ts::addSolid(solid, name, low, high);
+  for (const InputFace& face : solid.faces)
+    if (std::ranges::any_of(face.corners, [&](const glm::dvec3& corner) { return corner.z > low.z; }))
+      ts::addFace(input, name, face.corners);
+}
+
+TEST(ExposedBacks, AreOfOpenShells) {
+  using Names = std::set<std::string>;
+  EXPECT_EQ(exposedIn(ts::roomWithTouchingBoxes()), Names());
+  InputScene town = emptyScene("town");
+  ts::addFace(town, "ground", ts::parallelogram({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}));
+  addHouse(town, "house", {0, 0, 0}, {1, 1, 2});
+  addHouse(town, "tower", {3, 0, 0}, {4, 1, 6});
+  EXPECT_EQ(exposedIn(town), Names());
+  ts::addFace(town, "sunshade", ts::parallelogram({0, -1, 1}, {1, 0, 0}, {0, 1, 0}));
+  EXPECT_EQ(exposedIn(town), Names{"sunshade"});
+  // One pixel above the ground its rim is within the scene.
+  addHouse(town, "hovering", {-3, 0, 1e-9}, {-2, 1, 1});
+  EXPECT_EQ(exposedIn(town), (Names{"sunshade", "hovering"}));
+
+  // Of two tiles that look up the back of the upper one is seen, although its edges are on a side of the bounding box.
+  InputScene tiles = emptyScene("tiles");
+  ts::addFace(tiles, "lower", ts::parallelogram({0, 0, 0}, {1, 0, 0}, {0, 1, 0}));
+  ts::addFace(tiles, "upper", ts::parallelogram({0, 0, 1}, {1, 0, 0}, {0, 1, 0}));
+  EXPECT_EQ(exposedIn(tiles), Names{"upper"});
+  turn(tiles, 0), turn(tiles, 1);
+  EXPECT_EQ(exposedIn(tiles), Names{"lower"});
+  turn(tiles, 0);
+  EXPECT_EQ(exposedIn(tiles), Names());
+
+  // A room is hidden from what stands in it, whether it has a lid or not, but not from what stands beside it.
+  InputScene room = emptyScene("room");
+  ts::addRoom(room, "room", {0, 0, 0}, {3, 3, 3});
+  InputScene open = emptyScene("open");
+  for (const InputFace& face : room.faces)
+    if (std::ranges::any_of(face.corners, [](const glm::dvec3& corner) { return corner.z < 3; }))
+      ts::addFace(open, "room", face.corners);
+  for (InputScene* input : {&room, &open}) {
+    ts::addSolid(*input, "table", {1, 1, 0}, {2, 2, 1});
+    EXPECT_EQ(exposedIn(*input), Names());
+    ts::addSolid(*input, "tree", {5, 1, 0}, {6, 2, 1});
+    EXPECT_EQ(exposedIn(*input).contains("table"), false);
+    EXPECT_EQ(exposedIn(*input).contains("tree"), false);
+    EXPECT_GE(exposedIn(*input).size(), 1u);
+  }
+  InputScene turned = ts::roomWithTouchingBoxes();
+  turn(turned, 7);
+  EXPECT_FALSE(exposedIn(turned).empty());
+}
+
 TEST(Shells, WhatIsRightStays) {
   for (const ts::CoincidentScene& of : ts::coincidentScenes())
     for (const InputScene& input : {of.make(0), of.make(1e-3), ts::roundedToSingle(ts::turnedAndMoved(of.make(0)))})

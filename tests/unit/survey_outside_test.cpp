@@ -289,6 +289,26 @@ TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
   }
 }
 
+// A ground leaks to the back of a small plate, which no ray of the survey meets. The plate is exposed, and has lines.
+// So the environment is exact, for nothing is in between.
+TEST(SurveyOutside, FewExposedBacksHaveLinesWhateverRaysMeet) {
+  InputScene input;
+  ts::addFace(input, "ground", ts::parallelogram({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}));
+  ts::addFace(input, "plate", ts::parallelogram({0.3, 0.3, 0.05}, {0.2, 0, 0}, {0, 0.2, 0}));
+  const Scene scene = buildScene(input);
+  const double leak = reference::parallelRectangles({-5, 5}, {-5, 5}, {0.3, 0.5}, {0.3, 0.5}, 0.05);
+  EXPECT_LT(leak, 1.0 / 1024);  // at 1e-2 there are 64 rays
+  const EpsilonDelta guarantee{.epsilon = 1e-2, .delta = 1e-2};
+  for (const Goal& goal : {Goal(Tolerance{1e-2}), Goal(guarantee), Goal(RootMeanSquare{1e-2}), Goal(Seconds{0.1})})
+    for (const uint64_t seed : {1, 2, 3}) {
+      Request request;
+      request.by = By::polygon, request.seed = seed, request.goal = goal, request.pair_lines = true;
+      const FormFactors found = computeFormFactors(scene, request).form_factors;
+      EXPECT_NEAR(found.formFactor(0, kLeak).value, leak, 1e-8);
+      EXPECT_NEAR(found.formFactor(0, kEnvironment).value, 1 - leak, 1e-8);
+    }
+}
+
 // Where the time is the goal, no tolerance says how many rays are enough, and all rows have lines to backs.
 TEST(SurveyOutside, ATimedRunHasLinesToAllBacks) {
   Request request = requestOfPlate(By::polygon, 1);
@@ -313,8 +333,8 @@ TEST(SurveyOutside, AllFacesOfALeakingSurfaceHaveLinesToBacks) {
 
 // Returns a box without a lid, of 8 x 8 tiles a wall, seen from inside. One wall has a square hole. Behind the hole
 // stands a plate that shows its back. The tile that faces the hole leaks most: at most the hole's area over pi, which
-// is 8e-4 by default.
-InputScene boxWithLeak(double hole = 0.05) {
+// is 8e-4 by default. The plate has cuts x cuts tiles.
+InputScene boxWithLeak(double hole = 0.05, int cuts = 1) {
   const double low = 0.5 - hole / 2, high = 0.5 + hole / 2;
   InputScene input;
   const auto add = [&](const glm::dvec3& corner, const glm::dvec3& right, const glm::dvec3& up) {
@@ -328,7 +348,7 @@ InputScene boxWithLeak(double hole = 0.05) {
                 ts::parallelogram({1, y_low, z_low}, (z_high - z_low) * z, (y_high - y_low) * y));
   };
   addPart(0, low, 0, 1), addPart(high, 1, 0, 1), addPart(low, high, 0, low), addPart(low, high, high, 1);
-  ts::addFace(input, "plate", ts::parallelogram({1.2, -2, -2}, 5.0 * y, 3.0 * z));
+  for (const ts::Corners& tile : tilesOf({1.2, -2, -2}, 5.0 * y, 3.0 * z, cuts)) ts::addFace(input, "plate", tile);
   return input;
 }
 
@@ -362,10 +382,11 @@ TEST(SurveyOutside, SmallLeaksReachTheGoal) {
 
 // As above, but a speck makes the scene too uneven for rays, so common directions say what leaks. Most lines pass by a
 // small hole. Where the first 64 directions have no line through it, and later ones have one, this line stands for a
-// leak of 4e-3 +- 4e-3. Then further directions follow, and a run that ends short of its goal says so.
+// leak of 4e-3 +- 4e-3. Then further directions follow, and a run that ends short of its goal says so. So many exposed
+// backs have no lines of their own.
 TEST(SurveyOutside, LeaksAlongDirectionsReachTheGoalOrTheRunSaysSo) {
   constexpr double kSpeck = 1e-6, kTolerance = 2e-3;
-  InputScene input = boxWithLeak(0.01);
+  InputScene input = boxWithLeak(0.01, 20);
   ts::addFace(input, "speck", ts::parallelogram({0.5, 0.5, 0.9}, {kSpeck, 0, 0}, {0, kSpeck, 0}));
   const Scene scene = buildScene(input);
   ASSERT_FALSE(suitsRays(scene));
