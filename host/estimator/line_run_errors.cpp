@@ -62,13 +62,14 @@ std::vector<double> LineRun::findRowExcess(const FormFactors& all, const std::ve
     for (const uint32_t id : {entry.i, entry.j})
       if (id < kEnvironment && (entry.j < kEnvironment || (entry.j == kLeak && leak_by_lines[id])))
         variances[id] += std::pow(entry.errorInSums(), 2);
+  const std::vector<double> margins = largestMargins(all.entries(), ids.count());
   std::vector<bool> has_environment(ids.count());
   bool is_open = false;
   for (const FormFactors::Entry& entry : all.entries()) {
     if (entry.j != kEnvironment) continue;
     is_open = has_environment[entry.i] = true;
-    excess[entry.i] =
-        excessOf({entry.i, kEnvironment, {entry.exchange_area.value, std::sqrt(variances[entry.i])}}, ids);
+    const double error = std::sqrt(variances[entry.i] + margins[entry.i]);
+    excess[entry.i] = excessOf({entry.i, kEnvironment, {entry.exchange_area.value, error}}, ids);
   }
   // In an open scene another row may see the environment, too, where its pairs leave something of it. It gets an
   // environment if that is more than kBeyondDoubt standard errors, which therefore must be within the tolerance.

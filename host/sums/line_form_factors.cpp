@@ -85,6 +85,7 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
   for (const FormFactors::Entry& entry : entries)
     if (entry.j == kLeak) leak[entry.i] = {};  // the entries have this leak already
   const std::vector<Measured> rows = sumRows(entries, ids.areas);
+  const std::vector<double> margins = largestMargins(entries, ids.count());
   std::vector<double> left(ids.count());  // of each row's area, for the environment
   for (uint32_t i = 0; i < ids.count(); ++i) {
     const double beside_pairs = std::max(0.0, 1 - rows[i].value) * ids.areas[i];
@@ -98,13 +99,23 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
     if (!ids.isRequested(i)) continue;
     const double doubt = rows[i].standard_error * ids.areas[i];
     if (environment[i].value > 0 || (is_open && left[i] > kBeyondDoubt * doubt))
-      entries.push_back({i, kEnvironment, {left[i], std::hypot(doubt, leak[i].standard_error)}});
+      entries.push_back({i, kEnvironment, {left[i], std::hypot(doubt, std::sqrt(margins[i]), leak[i].standard_error)}});
     if (leak[i].value > 0) entries.push_back({i, kLeak, leak[i]});
   }
   std::ranges::inplace_merge(entries, entries.begin() + pair_count, {}, keyOf<FormFactors::Entry>);
 }
 
 }  // namespace
+
+std::vector<double> largestMargins(const std::vector<FormFactors::Entry>& entries, size_t row_count) {
+  std::vector<double> margins(row_count);
+  for (const FormFactors::Entry& entry : entries) {
+    const double margin = std::pow(entry.exchange_area.standard_error, 2) - std::pow(entry.errorInSums(), 2);
+    for (const uint32_t id : {entry.i, entry.j})
+      if (id < row_count) margins[id] = std::max(margins[id], margin);
+  }
+  return margins;
+}
 
 std::vector<bool> leakingSurfaces(const std::vector<bool>& of_face, const std::vector<uint32_t>& surface,
                                   size_t surfaces) {

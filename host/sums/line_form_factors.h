@@ -33,6 +33,11 @@ constexpr double kBeyondDoubt = 3;
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
+// Returns by row the largest part of an entry's variance that a sum over many entries leaves out: what the entry's few
+// lines may have missed, where all of them agree. Over many pairs it is nothing on average, but one pair of a row may
+// err by it.    Out: double[row_count], input units to the fourth power
+std::vector<double> largestMargins(const std::vector<FormFactors::Entry>& entries, size_t row_count);
+
 // Returns, by surface, whether one of its faces leaks.
 //   In: of_face: LeakingFaces::of_face; surface: uint32_t[faces], the surface of each face
 std::vector<bool> leakingSurfaces(const std::vector<bool>& of_face, const std::vector<uint32_t>& surface,
