@@ -246,7 +246,10 @@ class VisibilitySums::Entries {
     }
     const double count_exchange =
         has_visibility ? prior.most / lines : (pair.i == pair.j ? 4 : 2) * measure_area_ / replicates;
-    exchange.standard_error = errorOfSum(variance, squares, double(prior.line), area / count_area_) * count_exchange;
+    // If all lines of a row leave the scene, one direction may still have met something: D of eq. (12) without counts.
+    const double most = area / count_area_,
+                 line = double(prior.line) + (pair.j >= kEnvironment && squares == 0 ? 8 / 27.0 * most : 0);
+    exchange.standard_error = errorOfSum(variance, squares, line, most) * count_exchange;
     exchange.standard_error = std::min(exchange.standard_error, std::max(exchange.value, prior.most - exchange.value));
     if (squares == 0) exchange = allowForUnmet(exchange, prior, replicates * count_area_ / measure_area_, area);
     exchange.standard_error += b * error;  // not added in squares, because `error` is a bound and no standard error
@@ -271,7 +274,7 @@ class VisibilitySums::Entries {
     const double p = (n * b + 2 * s + 0.1) / (n + 2.2), rarer = n * p * (1 - p),
                  trust = rarer * rarer / (rarer * rarer + 0.25);
     const double by_chance = p * (1 - p) / (n + NeighbourVisibility::kNeighbours),
-                 left = b > 0 && b < 1 ? 2 / (n + 3) : 1;
+                 few = std::max(0.0, 1 - n * b * (1 - b)), left = few + (1 - few) * 2 / (n + 3);
     return trust * of_replicates + (1 - trust) * left * by_chance * beside_replicates_;
   }
 
