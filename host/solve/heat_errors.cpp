@@ -28,23 +28,28 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
     const double error = entry.errorInSums();
     const auto [i, j] = std::pair(entry.i, entry.j);
     if (!(error > 0) || j == kLeak) continue;
+    const double margin = std::max(0.0, std::pow(entry.exchange_area.standard_error / error, 2) - 1);
     if (j == kEnvironment) {
       if (!closed.is_open || closed.environment_is_rest[i]) continue;
-      sources_.push_back({i, i, error * (outside.power[i] - radiosity[i]), 0, error, 0});
+      sources_.push_back({i, i, error * (outside.power[i] - radiosity[i]), 0, error, 0, margin});
       continue;
     }
     if (i == j) {
-      sources_.push_back({i, i, error * (radiosity[i] - taken(i)), 0, lostBy(i, error), 0});
+      sources_.push_back({i, i, error * (radiosity[i] - taken(i)), 0, lostBy(i, error), 0, margin});
       continue;
     }
     sources_.push_back({i, j, error * (radiosity[j] - taken(i)), error * (radiosity[i] - taken(j)), lostBy(i, error),
-                        lostBy(j, error)});
+                        lostBy(j, error), margin});
   }
   if (sources_.empty() && outside.up_errors.empty()) return;
   if (closed.areas.size() <= most_exact_rows) {
     inverse_ = irradiation.inverse();
     return;
   }
+  margins_.resize(static_cast<size_t>(closed.areas.size()));
+  for (const Source& source : sources_)
+    for (const auto& [row, change] : {std::pair(source.i, source.of_i), std::pair(source.j, source.of_j)})
+      margins_[row] = std::max(margins_[row], source.margin * change * change);
   const size_t columns = kProbes + outside.up_errors.size();
   probes_.resize(closed.areas.size(), static_cast<Eigen::Index>(columns));
   to_environment_ = Eigen::MatrixXd::Zero(probes_.rows(), probes_.cols());
@@ -72,13 +77,15 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
 }
 
 double HeatErrors::rootOfSquares(const Functional& functional) const {
-  double squares = 0;
+  double squares = 0, largest_margin = 0;
   for (const Source& source : sources_) {
     const double change = functional.adjoint[source.i] * source.of_i + functional.adjoint[source.j] * source.of_j +
                           functional.of_environment[source.i] * source.x_ie +
                           functional.of_environment[source.j] * source.x_je;
     squares += change * change;
+    largest_margin = std::max(largest_margin, source.margin * change * change);
   }
+  squares += largest_margin;
   const double jump = outside_.up_power - outside_.down_power;
   for (const VectorXd& errors : outside_.up_errors)
     squares += std::pow(jump * functional.adjoint.dot(errors) + functional.of_up.dot(errors), 2);
@@ -94,9 +101,13 @@ double HeatErrors::standardError(const std::vector<Term>& terms) const {
   }
   if (probes_.size() == 0) return 0;
   VectorXd changes = VectorXd::Zero(probes_.cols());
-  for (const Term& term : terms) changes += term.factor * probes_.row(term.row).transpose();
+  double largest_margin = 0;
+  for (const Term& term : terms) {
+    changes += term.factor * probes_.row(term.row).transpose();
+    largest_margin = std::max(largest_margin, std::pow(term.factor / closed_.areas[term.row], 2) * margins_[term.row]);
+  }
   return std::sqrt(changes.head(kProbes).squaredNorm() / kProbes +
-                   changes.tail(changes.size() - kProbes).squaredNorm());
+                   changes.tail(changes.size() - kProbes).squaredNorm() + largest_margin);
 }
 
 // The heat flow to a part p of the environment is sum_i x_ip (B_i - B_p). x_ip is row i's exchange area with the part,

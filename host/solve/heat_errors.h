@@ -29,9 +29,11 @@ class CarriedErrors {
 };
 
 // HeatErrors computes standard errors of sums sum_k c_k H_k of irradiations.
+//   An answer may depend on few pairs. So its variance is a sum over all pairs, of their errors in sums, and the
+//   largest margin of one pair.
 //   Up to kMostExactRows rows they follow from the inverse matrix. With more rows there are kProbes sets of random
 //   signs, a sign for each pair's error. The mean square over these probes is the variance, to 1/16 of the standard
-//   error.
+//   error. The margin is then of the answer's own rows, without what other rows reflect.
 class HeatErrors : public CarriedErrors {
  public:
   //   In: measured: entries with standard errors, taken as independent; closed: made of them; irradiation: with the
@@ -54,6 +56,9 @@ class HeatErrors : public CarriedErrors {
     uint32_t i, j;
     double of_i, of_j;
     double x_ie, x_je;  // change of the rows' exchange with the environment
+    // The variance that errors in sums leave out, over the variance that they have: what the pair's few lines may have
+    // missed, where all of them agree.
+    double margin;
   };
   // A Functional says how an answer changes with errors, to first order. A disturbance z of A H changes it by
   // sum_k adjoint_k z_k. Until environmentError() applies the inverse, adjoint_k is the change per unit of H_k instead.
@@ -69,6 +74,7 @@ class HeatErrors : public CarriedErrors {
   const Outside& outside_;
   Eigen::VectorXd radiosity_;
   std::vector<Source> sources_;
+  std::vector<double> margins_;  // with probes, by row: largest margin x of_i^2 of its pairs, W^2
   Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> inverse_;  // empty where probes are used
   // Both are rows x columns: kProbes columns, then one for each error of the outside. A column of probes_ is the effect
   // on irradiations, and one of to_environment_ the effect on exchange areas with the environment.

@@ -265,6 +265,64 @@ TEST(SolveErrors, ProbesComeToTheInverse) {
 }
 
 // Conjugate gradients and the inverse matrix give the same solution of the same equations.
+// Pairs of which all lines agreed have a margin, which a sum over many pairs leaves out. The variance of an answer has
+// the largest part that such a margin of one pair gives it, beside the parts of all errors in sums.
+TEST(SolveErrors, HaveTheMarginOfOnePair) {
+  RandomRows rows(true, true, 1e-3);
+  const auto variancesOf = [&] {
+    std::vector<double> variances;
+    for (const Measured& answer : answersOf(solve(rows.formFactors())))
+      variances.push_back(answer.standard_error * answer.standard_error);
+    return variances;
+  };
+  std::vector<double> expected = variancesOf();
+  const std::vector<Entry> measured = rows.entries;
+  constexpr double kMargin = 4;  // standard error over error in sums
+  std::vector<double> largest(expected.size());
+  for (size_t k = 0; k < measured.size(); k += 7) {
+    if (measured[k].j == kEnvironment) continue;
+    for (size_t m = 0; m < measured.size(); ++m)
+      rows.entries[m].exchange_area.standard_error =
+          m == k ? std::sqrt(kMargin * kMargin - 1) * measured[k].exchange_area.standard_error : 0;
+    const std::vector<double> of_pair = variancesOf();
+    for (size_t answer = 0; answer < largest.size(); ++answer)
+      largest[answer] = std::max(largest[answer], of_pair[answer]);
+  }
+  rows.entries = measured;
+  for (size_t k = 0; k < measured.size(); k += 7) {
+    if (measured[k].j == kEnvironment) continue;
+    rows.entries[k].error_in_sums = measured[k].exchange_area.standard_error;
+    rows.entries[k].exchange_area.standard_error *= kMargin;
+  }
+  const std::vector<double> found = variancesOf();
+  int with_margin = 0;
+  for (size_t answer = 0; answer < found.size(); ++answer) {
+    expected[answer] += largest[answer];
+    EXPECT_NEAR(found[answer], expected[answer], 1e-9 * expected[answer]) << answer;
+    with_margin += largest[answer] > 0;
+  }
+  EXPECT_GT(with_margin, 12);
+}
+
+// Where nothing is reflected, answers depend on the pairs of their own row alone, and probes have the same margin.
+TEST(SolveErrors, ProbesHaveTheMarginOfTheirRow) {
+  RandomRows rows(true, true, 0);
+  rows.entries[1].exchange_area.standard_error = 1e-3, rows.entries[1].error_in_sums = 1e-9;
+  const FormFactors f = rows.formFactors();
+  const ClosedExchange closed = closeRows(f);
+  const Eigen::VectorXd black = Eigen::VectorXd::Zero(kRows), radiosity = Eigen::VectorXd::LinSpaced(kRows, -100, 300);
+  const Irradiation irradiation(closed, black);
+  const Outside outside{.up_share = Eigen::VectorXd::Ones(kRows), .power = Eigen::VectorXd::Constant(kRows, 500)};
+  const HeatErrors exact(f, closed, irradiation, radiosity, outside),
+      probed(f, closed, irradiation, radiosity, outside, 0);
+  for (const uint32_t row : {rows.entries[1].i, rows.entries[1].j}) {
+    const double truth =
+        1e-3 * std::abs(radiosity[rows.entries[1].i + rows.entries[1].j - row] - 500) / rows.areas[row];
+    EXPECT_NEAR(exact.standardError({{row, 1}}), truth, 1e-5 * truth);
+    EXPECT_NEAR(probed.standardError({{row, 1}}), truth, 1e-5 * truth);
+  }
+}
+
 TEST(SolveErrors, TheInverseIsTheSolution) {
   const RandomRows rows(true, true, 1e-3);
   const FormFactors f = rows.formFactors();
