@@ -125,7 +125,7 @@ PairCounts FormFactorRun::State::countDirections(uint32_t count) {
 // their lines cost little beside the others.
 LeakingFaces FormFactorRun::State::exposedFaces() const {
   const Ids& ids = setup.faceIds();
-  if (!may_leave || !ids.counts_environment || ids.two_sided || setup.leastFormFactor() > 0) return {};
+  if (!ids.counts_environment || ids.two_sided || setup.leastFormFactor() > 0) return {};
   std::vector<bool> is_exposed = findExposedBacks(setup.scene());
   const auto exposed = double(std::ranges::count(is_exposed, true)), all = double(ids.count());
   if (exposed == 0 || exposed * all > std::max(kFewPairs, kExposedShare * all * all)) return {};

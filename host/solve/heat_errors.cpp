@@ -28,7 +28,7 @@ HeatErrors::HeatErrors(const FormFactors& measured, const ClosedExchange& closed
     const double error = entry.errorInSums();
     const auto [i, j] = std::pair(entry.i, entry.j);
     if (!(error > 0) || j == kLeak) continue;
-    const double margin = std::max(0.0, std::pow(entry.exchange_area.standard_error / error, 2) - 1);
+    const double margin = entry.margin() / (error * error);
     if (j == kEnvironment) {
       if (!closed.is_open || closed.environment_is_rest[i]) continue;
       sources_.push_back({i, i, error * (outside.power[i] - radiosity[i]), 0, error, 0, margin});

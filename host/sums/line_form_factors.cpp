@@ -109,11 +109,9 @@ void addEnvironmentAndLeak(std::vector<FormFactors::Entry>& entries, const Repli
 
 std::vector<double> largestMargins(const std::vector<FormFactors::Entry>& entries, size_t row_count) {
   std::vector<double> margins(row_count);
-  for (const FormFactors::Entry& entry : entries) {
-    const double margin = std::pow(entry.exchange_area.standard_error, 2) - std::pow(entry.errorInSums(), 2);
+  for (const FormFactors::Entry& entry : entries)
     for (const uint32_t id : {entry.i, entry.j})
-      if (id < row_count) margins[id] = std::max(margins[id], margin);
-  }
+      if (id < row_count) margins[id] = std::max(margins[id], entry.margin());
   return margins;
 }
 

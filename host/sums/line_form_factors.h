@@ -33,9 +33,8 @@ constexpr double kBeyondDoubt = 3;
 FormFactors lineFormFactors(const LineSums& lines, By by, const ReplicateSums& counted, double measure_area,
                             double count_area);
 
-// Returns by row the largest part of an entry's variance that a sum over many entries leaves out: what the entry's few
-// lines may have missed, where all of them agree. Over many pairs it is nothing on average, but one pair of a row may
-// err by it.    Out: double[row_count], input units to the fourth power
+// Returns by row the largest margin of its entries: what an entry's few lines may have missed, where all of them agree.
+// Over many pairs it is nothing on average, but one pair of a row may err by it.    Out: double[row_count]
 std::vector<double> largestMargins(const std::vector<FormFactors::Entry>& entries, size_t row_count);
 
 // Returns, by surface, whether one of its faces leaks.

@@ -24,11 +24,12 @@ constexpr size_t kChunk = 1 << 12;  // pairs that a thread takes at once
 // Returns the part of a pair's unoccluded exchange area that something may block.
 double blockable(const LinePair& pair) { return std::max(0.0, pair.exchange - pair.clear); }
 
-// Adds an entry of the same pair of ids, whose error is independent.
+// Adds an entry of the same pair of ids, whose error is independent. The sum has the larger margin of the two.
 void addEntry(FormFactors::Entry& sum, const FormFactors::Entry& entry) {
+  const double margin = std::max(sum.margin(), entry.margin());
   sum.error_in_sums = std::hypot(sum.errorInSums(), entry.errorInSums());
   sum.exchange_area.value += entry.exchange_area.value;
-  sum.exchange_area.standard_error = std::hypot(sum.exchange_area.standard_error, entry.exchange_area.standard_error);
+  sum.exchange_area.standard_error = std::hypot(sum.error_in_sums, std::sqrt(margin));
 }
 
 // Returns how often a pair counts in A_i F_ij: twice where two polygons of one face see each other, both ways.

@@ -35,6 +35,11 @@ class FormFactors {
     double error_in_sums = 0;
 
     double errorInSums() const { return error_in_sums > 0 ? error_in_sums : exchange_area.standard_error; }
+    // Returns the margin, the part of the variance that errors in sums leave out, in input units to the fourth power.
+    double margin() const {
+      const double whole = exchange_area.standard_error, in_sums = errorInSums();
+      return whole > in_sums ? (whole - in_sums) * (whole + in_sums) : 0;
+    }
   };
 
   // Stores the entries.

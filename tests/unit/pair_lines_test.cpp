@@ -357,10 +357,15 @@ TEST(LineSums, ErrorsInSumsAreTrueOnAverage) {
     EXPECT_NEAR(in_sums[half] / squares[half], 1, 0.25) << half;
     EXPECT_GT(alone[half], 2 * squares[half]);
   }
-  // Sums between surfaces have the root of the sum of squares.
+  // Sums between surfaces have the root of the sum of squares, and the largest margin of one pair.
   const std::vector<FormFactors::Entry> sum = mergeBySurface(entries, std::vector<uint32_t>(kPairs + 1, 0));
   ASSERT_EQ(sum.size(), 1u);
   EXPECT_NEAR(sum[0].error_in_sums, 2 * std::sqrt(in_sums[0] + in_sums[1]), 1e-12 * kPairs);
+  double margin = 0;
+  for (const FormFactors::Entry& entry : entries)
+    margin = std::max(margin, std::pow(entry.exchange_area.standard_error, 2) - std::pow(entry.error_in_sums, 2));
+  EXPECT_GT(margin, 0);
+  EXPECT_NEAR(sum[0].exchange_area.standard_error, 2 * std::sqrt(in_sums[0] + in_sums[1] + margin), 1e-12 * kPairs);
 }
 
 // Lines of half the expected weight are missing. Nothing is known of them, so the standard error is at least m / 2 =
