@@ -104,7 +104,7 @@ void LineGuarantee::addStrataTasks(const Entry& entry, std::vector<StrataTask>& 
 
 // Looks at lines in strata.    In: tasks: of all parts, done    Out: whether the entry is done
 bool LineGuarantee::lookAtStrata(Entry& entry, std::span<const StrataTask> tasks) {
-  double low = 0, high = 0, guess = 0, rounding = entry.rounding(), lines = 0, open_squares = 0;
+  double low = 0, high = 0, guess = 0, rounding = entry.rounding(), lines = 0, drawn_exchange = 0, open_squares = 0;
   StrataFigures low_figures, high_figures;
   for (uint32_t k = 0; k < entry.part_count; ++k) {
     Part& part = parts_[entry.first_part + k];
@@ -124,14 +124,17 @@ bool LineGuarantee::lookAtStrata(Entry& entry, std::span<const StrataTask> tasks
       figures->squares += weight * weight * squares;
       figures->weight = std::max(figures->weight, weight), figures->cells += double(sums.cells);
     }
-    part.strata_lines += 2 * sums.cells, lines += drawn;
+    part.strata_lines += 2 * sums.cells, lines += drawn, drawn_exchange += part.exchange;
   }
+  // However many lines agree, others may not.
+  const double least_error = drawn_exchange * chanceError(0, lines);
   const double below = boundDeviation(low_figures, entry.log_chance),
                above = boundDeviation(high_figures, entry.log_chance);
-  const bool is_done = narrow(entry,
-                              {std::max(0.0, entry.clear + low - below - rounding),
-                               entry.clear + std::min(entry.blockable, high + above) + rounding},
-                              entry.clear + guess, std::sqrt(high_figures.squares + open_squares));
+  const bool is_done =
+      narrow(entry,
+             {std::max(0.0, entry.clear + low - below - rounding),
+              entry.clear + std::min(entry.blockable, high + above) + rounding},
+             entry.clear + guess, std::sqrt(std::max(high_figures.squares, least_error * least_error) + open_squares));
   --entry.strata_looks, entry.strata_drawn += lines;
   if (!is_done) planStrata(entry, high_figures, lines);
   return is_done;
