@@ -41,7 +41,8 @@ FormFactors withoutBlockers(FormFactors all) {
     if (all.hasIntervals() && !isLeftOut(entry)) intervals.push_back(all.intervals()[k]);
     if (entry.j == kEnvironment) has_environment[entry.i] = true;
   }
-  // An environment is what pairs and blockers leave of its row, so that the row errs by what ends on blockers.
+  // An environment is 1 less its row's entries, with blockers among them. Without blockers the sum of the row is 1 less
+  // what ends on them, and errs as much as that.
   std::vector<Measured> row_sums = sumRows(entries, ids.areas);
   const std::vector<Measured> on_blockers = sumRows(left_out, ids.areas);
   for (size_t i = 0; i < row_sums.size(); ++i)

@@ -79,7 +79,8 @@ struct EstimateOptions {
   double leastAllowedError() const;
 };
 
-// Returns the form factors without the entries of ids that only block, on which lines of other ids end.
+// Returns the form factors without the entries of blockers (Ids::only_blocks). Lines end on blockers so that the
+// environment of a row does not hold them, but blockers have no rows or columns.
 FormFactors withoutBlockers(FormFactors form_factors);
 // Returns the form factors without the entries that are 0.
 FormFactors keepSeen(FormFactors form_factors);

@@ -62,6 +62,16 @@ void readWide(Hdf5Input& in, const std::string& name, Pairs& pairs, Set set) {
   for (size_t k = 0; k < pairs.size(); ++k) set(pairs[k], words[k]);
 }
 
+// Writes flags unless there are none, and reads them back.
+void writeFlags(Hdf5Output& out, const std::string& name, const std::vector<bool>& flags) {
+  if (!flags.empty()) writeColumn<uint8_t>(out, name, flags, [](bool flag) { return flag; });
+}
+std::vector<bool> readFlags(Hdf5Input& in, const std::string& name, size_t count) {
+  if (!in.has(name)) return {};
+  const std::vector<uint8_t> flags = in.read<uint8_t>(name, count);
+  return {flags.begin(), flags.end()};
+}
+
 template <class Pairs>
 void requireOrder(Hdf5Input& in, const std::string& group, const Pairs& pairs, uint32_t count) {
   for (size_t k = 0; k < pairs.size(); ++k) {
@@ -133,8 +143,7 @@ void writeReplicateSums(Hdf5Output& out, const std::string& group, const Replica
   out.write(group + "/areas", ids.areas);
   out.write(group + "/surfaces", ids.surface);
   writeColumn<uint8_t>(out, group + "/requested", ids.requested, [](bool requested) { return requested; });
-  if (!ids.only_blocks.empty())
-    writeColumn<uint8_t>(out, group + "/only_blocks", ids.only_blocks, [](bool blocks) { return blocks; });
+  writeFlags(out, group + "/only_blocks", ids.only_blocks);
   out.write(group + "/splits_surfaces", std::vector<uint8_t>{ids.splits_surfaces});
   out.write(group + "/rows_sum_to_one", std::vector<uint8_t>{ids.rows_sum_to_one});
   out.write(group + "/two_sided", std::vector<uint8_t>{ids.two_sided});
@@ -216,8 +225,7 @@ void writeLineSums(Hdf5Output& out, const RunSums& sums) {
   out.write("lines/least_form_factor", std::vector<double>{lines.leastFormFactor()});
   const std::vector<bool>& leaking = lines.leakingFaces().of_face;
   out.write("lines/leaking", std::vector<uint8_t>(leaking.begin(), leaking.end()));
-  if (const std::vector<bool>& backs = lines.leakingFaces().backs; !backs.empty())
-    out.write("lines/leak_backs", std::vector<uint8_t>(backs.begin(), backs.end()));
+  writeFlags(out, "lines/leak_backs", lines.leakingFaces().backs);
   out.write("lines/leak_rays", std::vector<uint32_t>{lines.leakingFaces().rays});
   const auto& pairs = lines.pairs();
   writeColumn<uint32_t>(out, "lines/i", pairs, [](const LinePair& pair) { return pair.i; });
@@ -257,9 +265,7 @@ ReplicateSums readReplicateSums(Hdf5Input& in, const std::string& group) {
   for (uint8_t requested : in.read<uint8_t>(group + "/requested")) ids.requested.push_back(requested);
   if (!ids.requested.empty() && ids.requested.size() != ids.count())
     in.refuse(fmt::format("its '{}/requested' has {} values for {}", group, ids.requested.size(), ids.count()));
-  if (in.has(group + "/only_blocks"))
-    for (const uint8_t blocks : in.read<uint8_t>(group + "/only_blocks", ids.count()))
-      ids.only_blocks.push_back(blocks);
+  ids.only_blocks = readFlags(in, group + "/only_blocks", ids.count());
   ids.splits_surfaces = readOne<uint8_t>(in, group + "/splits_surfaces");
   ids.rows_sum_to_one = readOne<uint8_t>(in, group + "/rows_sum_to_one");
   ids.two_sided = readOne<uint8_t>(in, group + "/two_sided");
@@ -388,10 +394,9 @@ std::optional<LineSums> readLineSums(Hdf5Input& in, const Ids& face_ids) {
   const auto mayHave = [&](const LinePair& pair) { return !hasBack(pair) || (!leaking.empty() && leaking[pair.i]); };
   if (!std::ranges::all_of(pairs, mayHave))
     in.refuse("its 'lines' have backs of faces that 'lines/leaking' leaves out");
-  LeakingFaces leaking_faces{{leaking.begin(), leaking.end()}, readOne<uint32_t>(in, "lines/leak_rays")};
-  if (in.has("lines/leak_backs"))
-    for (const uint8_t back : in.read<uint8_t>("lines/leak_backs", face_ids.count()))
-      leaking_faces.backs.push_back(back);
+  LeakingFaces leaking_faces{{leaking.begin(), leaking.end()},
+                             readOne<uint32_t>(in, "lines/leak_rays"),
+                             readFlags(in, "lines/leak_backs", face_ids.count())};
   return LineSums(face_ids, by, std::move(pairs), least, std::move(leaking_faces), sums, replicate_count);
 }
 

@@ -102,10 +102,10 @@ std::vector<Patch> makePatches(const Scene& scene, const Ids& ids, const Leaking
     add(k, true, roles, ids.of_polygon[k]);
     if (ids.two_sided) add(k, false, roles, ids.of_polygon[k]);
   }
-  for (uint32_t k = 0; k < scene.polygons.size() && !leaking.of_face.empty() && !ids.two_sided; ++k) {
-    const uint32_t id = ids.of_polygon[k];
-    if (leaking.backs.empty() || leaking.backs[id]) add(k, false, kIsBack, ids.count() + id);
-  }
+  const auto mayEndOnBack = [&](uint32_t id) { return leaking.backs.empty() || leaking.backs[id]; };
+  if (!leaking.of_face.empty() && !ids.two_sided)
+    for (uint32_t k = 0; k < scene.polygons.size(); ++k)
+      if (const uint32_t id = ids.of_polygon[k]; mayEndOnBack(id)) add(k, false, kIsBack, ids.count() + id);
   std::vector<uint32_t> patch_counts(2 * ids.count());
   for (const Patch& patch : patches) ++patch_counts[patch.id];
   for (Patch& patch : patches) patch.is_part = patch_counts[patch.id] > ids.sides();

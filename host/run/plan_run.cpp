@@ -172,8 +172,8 @@ std::string FormFactorRun::State::makePairLines() {
   }
   const std::string why = takeMixture();
   // Rays or common directions that count small pairs count what leaves the scene or leaks, too.
-  const bool has_further = ends_on_blockers || !pair_lines->leakingFaces().of_face.empty();
-  if (line_mixture.least_form_factor > 0 && has_further) make({}, false);
+  const bool ends_beside_rows = ends_on_blockers || !pair_lines->leakingFaces().of_face.empty();
+  if (line_mixture.least_form_factor > 0 && ends_beside_rows) make({}, false);
   else if (why.empty() && leak_rays > 0) make(findLeakingFaces(leak_rays), ends_on_blockers);
   if (!why.empty() && insists) throw Error(ErrorCode::limit, fmt::format("{}; leave out --pair-lines", why));
   return why;

@@ -35,19 +35,16 @@ struct Body {
 };
 
 std::vector<Body> findBodies(const Scene& scene, const std::vector<Shell>& shells) {
-  std::vector<uint32_t> shell_of(scene.faces.size());
-  for (uint32_t k = 0; k < shells.size(); ++k)
-    for (const uint32_t face : shells[k].faces) shell_of[face] = k;
+  const std::vector<uint32_t> shell_of = shellsOfFaces(shells, scene.faces.size());
   std::vector<Body> bodies(shells.size());
   for (const Polygon& polygon : scene.polygons) {
     const uint32_t k = shell_of[polygon.face];
     Body& body = bodies[k];
     const auto corners = std::span(scene.corners).subspan(polygon.first_corner, polygon.corner_count);
     if (body.area == 0) body.apex = shells[k].outer_opening.value_or(corners[0]);
-    const dvec3 normal = polygon.area * frontNormal(scene, polygon);
-    body.volume += glm::dot(normal, corners[0] - body.apex) / 3;
+    body.volume += volumeBehind(scene, polygon, body.apex);
     body.area += polygon.area;
-    body.normal += normal;
+    body.normal += polygon.area * frontNormal(scene, polygon);
     for (const dvec3& corner : corners) body.box.widen({corner, corner});
   }
   return bodies;

@@ -8,7 +8,7 @@ namespace viewpeel {
 
 // Finds the faces whose backs may be seen from fronts. A back is hidden where its shell is closed, or open only towards
 // the outside of the scene, with all fronts on the side where the other faces are. Other backs count as exposed.
-//   Error: backs in shells that pass through each other may be seen, too, and so may solids that are inside out.
+//   Error: it misses backs that are seen where shells pass through each other, and backs of a solid that is inside out.
 //   Out: bool[Scene::faces]    Cost: as findShells().
 std::vector<bool> findExposedBacks(const Scene& scene);
 

@@ -32,10 +32,8 @@ class LeakFinder {
       : scene_(scene),
         sight_(scene),
         shells_(findShells(scene)),
-        shell_of_(scene.faces.size()),
+        shell_of_(shellsOfFaces(shells_, scene.faces.size())),
         is_flipped_(scene.faces.size(), false) {
-    for (uint32_t k = 0; k < shells_.size(); ++k)
-      for (uint32_t face : shells_[k].faces) shell_of_[face] = k;
     for (uint32_t face : findFlipped(scene, shells_, sight_)) is_flipped_[face] = true;
   }
 

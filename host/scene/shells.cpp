@@ -286,7 +286,7 @@ struct Seen {
 bool holdsSpace(const Scene& scene) {
   double volume = 0, area = 0;
   for (const Polygon& polygon : scene.polygons) {
-    volume += polygon.area * glm::dot(frontNormal(scene, polygon), scene.corners[polygon.first_corner]) / 3;
+    volume += volumeBehind(scene, polygon, dvec3(0));
     area += polygon.area;
   }
   return std::abs(volume) > kThickness * area;
@@ -296,16 +296,24 @@ bool holdsSpace(const Scene& scene) {
 
 std::vector<Shell> findShells(const Scene& scene) { return ShellFinder(scene).find(); }
 
+std::vector<uint32_t> shellsOfFaces(const std::vector<Shell>& shells, size_t face_count) {
+  std::vector<uint32_t> shell_of(face_count);
+  for (uint32_t k = 0; k < shells.size(); ++k)
+    for (const uint32_t face : shells[k].faces) shell_of[face] = k;
+  return shell_of;
+}
+
+double volumeBehind(const Scene& scene, const Polygon& polygon, const dvec3& apex) {
+  return polygon.area * glm::dot(frontNormal(scene, polygon), scene.corners[polygon.first_corner] - apex) / 3;
+}
+
 std::vector<uint32_t> findFlipped(const Scene& scene, const std::vector<Shell>& shells, Sight& sight) {
   std::vector<bool> turned(scene.faces.size(), false);
-  std::vector<uint32_t> shell_of(scene.faces.size());
+  const std::vector<uint32_t> shell_of = shellsOfFaces(shells, scene.faces.size());
   std::vector<std::vector<uint32_t>> polygons(shells.size());
   std::vector<std::vector<double>> sums(shells.size());
-  for (uint32_t k = 0; k < shells.size(); ++k)
-    for (size_t m = 0; m < shells[k].faces.size(); ++m) {
-      shell_of[shells[k].faces[m]] = k;
-      turned[shells[k].faces[m]] = shells[k].is_against[m] && !shells[k].is_twisted;
-    }
+  for (const Shell& shell : shells)
+    for (size_t m = 0; m < shell.faces.size(); ++m) turned[shell.faces[m]] = shell.is_against[m] && !shell.is_twisted;
   for (uint32_t polygon = 0; polygon < scene.polygons.size(); ++polygon) {
     const uint32_t k = shell_of[scene.polygons[polygon].face];
     polygons[k].push_back(polygon);

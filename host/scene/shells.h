@@ -28,6 +28,13 @@ struct Shell {
 //   Cost: O(edges log edges).
 std::vector<Shell> findShells(const Scene& scene);
 
+// Returns the shell of each face: uint32_t[face_count], indices into shells.
+std::vector<uint32_t> shellsOfFaces(const std::vector<Shell>& shells, size_t face_count);
+
+// Returns the volume between a polygon and an apex, in Scene's unit. It is above 0 where the polygon's back looks to
+// the apex. The volumes of a closed shell's polygons add up to what its fronts enclose, whatever the apex.
+double volumeBehind(const Scene& scene, const Polygon& polygon, const glm::dvec3& apex);
+
 // Finds the faces that have to be turned over so that lines hit fronts.
 //   It finds faces that are against their shell, and all faces of three kinds of shells. The first kind is a closed
 //     shell whose backs other fronts see, while its fronts see almost nothing: a solid inside out, or a room with its

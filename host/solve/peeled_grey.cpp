@@ -76,8 +76,8 @@ class Preconditioned {
 };
 
 // ReplicateErrors have a column for each of R replicates: how far irradiations move if its exchange replaces that of
-// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance. Rows that few
-// lines meet have one error more each, independently of each other.
+// all replicates, divided by the square root of R (R - 1). Squares of columns add up to a variance. A row that few
+// lines meet has one more error, which no other row shares.
 class ReplicateErrors : public CarriedErrors {
  public:
   ReplicateErrors(PeeledExchange& exchange, const HeatState& state, const Outside& outside, Preconditioned& solver)

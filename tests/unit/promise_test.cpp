@@ -302,8 +302,8 @@ TEST(Promise, IsNotMadeWhereATinyPolygonLeaks) {
   }
 }
 
-// The back of a plate is exposed, and has lines. So leaks have intervals, and environments do without them, however
-// small they are.
+// The back of the plate is exposed, so that lines of the panel may end on it. Its leak has an interval, and is no part
+// of the environment's interval, however small it is.
 TEST(Promise, SmallLeaksToExposedBacksHaveIntervals) {
   constexpr uint32_t kOfPanel = 1;
   for (const double share : {2e-2, 2e-4}) {

@@ -115,7 +115,8 @@ TEST(ExposedBacks, AreOfOpenShells) {
   turn(tiles, 0);
   EXPECT_EQ(exposedIn(tiles), Names());
 
-  // A room is hidden from what stands in it, whether it has a lid or not, but not from what stands beside it.
+  // The backs of a room's walls are hidden from what stands in the room, with a lid or without one. What stands beside
+  // the room sees them.
   InputScene room = emptyScene("room");
   ts::addRoom(room, "room", {0, 0, 0}, {3, 3, 3});
   InputScene open = emptyScene("open");

@@ -153,60 +153,6 @@ TEST(SurveyOutside, RowsOfFarAwayPartsHaveTheirEnvironment) {
     }
 }
 
-// In a box without a lid hangs a sheet of two faces. Without rows for the sheet, the other form factors stay as they
-// are: what ends on the sheet does not reach the sky. A row's sum lacks it.
-TEST(SurveyOutside, BlockersLeaveTheEnvironmentAsItIs) {
-  constexpr double kTolerance = 1e-2;
-  InputScene input = ts::insideOfCube();
-  std::erase_if(input.faces, [](const InputFace& face) {
-    return std::ranges::all_of(face.corners, [](const glm::dvec3& corner) { return corner.z == 1; });
-  });
-  ASSERT_EQ(input.faces.size(), 5u);
-  const ts::Corners sheet = ts::parallelogram({0.3, 0.3, 0.5}, {0.4, 0, 0}, {0, 0.4, 0});
-  ts::addFace(input, "upper", sheet);
-  ts::addFace(input, "lower", {sheet.rbegin(), sheet.rend()});
-  const Scene scene = buildScene(input);
-  const auto resultOf = [&](const Goal& goal, By by, std::optional<bool> promise, std::vector<std::string> blockers) {
-    Request request;
-    request.by = by, request.goal = goal, request.promise = promise;
-    request.question.blockers = std::move(blockers);
-    return computeFormFactors(scene, request);
-  };
-  const EpsilonDelta of_pairs{.epsilon = kTolerance, .delta = 1e-6},
-      of_rows{.epsilon = kTolerance, .delta = 1e-6, .rows = true};
-  const std::pair<Goal, std::optional<bool>> goals[] = {
-      {Tolerance{kTolerance}, true}, {Tolerance{kTolerance}, false}, {of_pairs, std::nullopt}, {of_rows, std::nullopt}};
-  for (const auto& [goal, promise] : goals)
-    for (const By by : {By::polygon, By::surface}) {
-      const FormFactors all = resultOf(goal, by, promise, {}).form_factors;
-      const Result found = resultOf(goal, by, promise, {"upper", "lower"});
-      const FormFactors& rest = found.form_factors;
-      const uint32_t upper = 5, lower = 6;  // each side of the cube is a surface
-      ASSERT_EQ(all.ids().names[upper].substr(0, 5), "upper");
-      EXPECT_EQ(rest.hasIntervals(), promise != std::optional(false));
-      for (uint32_t i = 0; i < upper; ++i) {
-        const double left = all.formFactor(i, kEnvironment).value,
-                     on_sheet = all.formFactor(i, upper).value + all.formFactor(i, lower).value;
-        EXPECT_GT(left, 0.1);
-        // All form factors of both runs are within the tolerance.
-        EXPECT_NEAR(rest.formFactor(i, kEnvironment).value, left, 2 * kTolerance) << rest.ids().names[i];
-        EXPECT_NEAR(rest.rowSums()[i].value, 1 - on_sheet, 4 * kTolerance) << rest.ids().names[i];
-        for (uint32_t j = 0; j < upper; ++j)
-          EXPECT_NEAR(rest.formFactor(i, j).value, all.formFactor(i, j).value, 2 * kTolerance);
-      }
-      for (const FormFactors* of : {&rest, &found.between_surfaces})
-        for (const FormFactors::Entry& entry : of->entries())
-          EXPECT_TRUE(entry.i < upper && (entry.j < upper || entry.j >= kEnvironment));
-      if (rest.hasIntervals()) {
-        ASSERT_EQ(rest.intervals().size(), rest.entries().size());
-        for (size_t k = 0; k < rest.entries().size(); ++k) {
-          const double value = rest.entries()[k].exchange_area.value;
-          EXPECT_TRUE(rest.intervals()[k].lower <= value && value <= rest.intervals()[k].upper);
-        }
-      }
-    }
-}
-
 // A promise has no room for leaks, and an estimate has lines that end on backs, whatever the seed.
 TEST(SurveyOutside, LeaksOfFarAwayPartsHaveLines) {
   const Scene scene = buildScene(farAwayPairs(false));
@@ -287,26 +233,6 @@ TEST(SurveyOutside, OnlyRowsThatLeakHaveLinesToBacks) {
     EXPECT_GT(exact, 4u);
     EXPECT_GT(by_rays, kTiles * kTiles / 2);
   }
-}
-
-// A ground leaks to the back of a small plate, which no ray of the survey meets. The plate is exposed, and has lines.
-// So the environment is exact, for nothing is in between.
-TEST(SurveyOutside, FewExposedBacksHaveLinesWhateverRaysMeet) {
-  InputScene input;
-  ts::addFace(input, "ground", ts::parallelogram({-5, -5, 0}, {10, 0, 0}, {0, 10, 0}));
-  ts::addFace(input, "plate", ts::parallelogram({0.3, 0.3, 0.05}, {0.2, 0, 0}, {0, 0.2, 0}));
-  const Scene scene = buildScene(input);
-  const double leak = reference::parallelRectangles({-5, 5}, {-5, 5}, {0.3, 0.5}, {0.3, 0.5}, 0.05);
-  EXPECT_LT(leak, 1.0 / 1024);  // at 1e-2 there are 64 rays
-  const EpsilonDelta guarantee{.epsilon = 1e-2, .delta = 1e-2};
-  for (const Goal& goal : {Goal(Tolerance{1e-2}), Goal(guarantee), Goal(RootMeanSquare{1e-2}), Goal(Seconds{0.1})})
-    for (const uint64_t seed : {1, 2, 3}) {
-      Request request;
-      request.by = By::polygon, request.seed = seed, request.goal = goal, request.pair_lines = true;
-      const FormFactors found = computeFormFactors(scene, request).form_factors;
-      EXPECT_NEAR(found.formFactor(0, kLeak).value, leak, 1e-8);
-      EXPECT_NEAR(found.formFactor(0, kEnvironment).value, 1 - leak, 1e-8);
-    }
 }
 
 // Where the time is the goal, no tolerance says how many rays are enough, and all rows have lines to backs.

@@ -99,14 +99,14 @@ TEST(VisibilitySums, APartOfALineIsNoLineOfTheRarerKind) {
   const Measured none = errorWith(0), little = errorWith(kLine / 100);
   EXPECT_EQ(none.value, 8);
   EXPECT_NEAR(little.value, 8 * 10 / 10.01, 1e-12);
-  // Of n = 10.01 lines n b (1 - b) = 0.00999 are of the rarer kind, so that q is 1 - 0.00999 (1 - 2 / 13.01) = 0.9915.
-  // The spread of replicates has a weight below 0.4, and adds to the variance. The neighbours' s and p change by less
-  // than a hundredth.
+  // Of n = 10.01 lines n b (1 - b) = 0.00999 are of the rarer kind. So q of eq. (22) is 1 - 0.00999 (1 - 2 / 13.01) =
+  // 0.9915. The spread of replicates has a weight below 0.4, and adds to the variance. The neighbours' s and p change by
+  // less than a hundredth.
   EXPECT_GT(little.standard_error, 0.75 * none.standard_error);
 }
 
-// All lines of a row leave the scene. One direction may have met something all the same: it adds at most A / h^2 lines,
-// here 10, of which 8 / 27 count, beside one line (eq. (12) without counts).
+// All lines that were drawn from a row leave the scene. Another direction might have met something: it adds at most
+// A / h^2 lines, here 10, of which 8 / 27 count, beside one line (eq. (12) without counts).
 TEST(VisibilitySums, EnvironmentOfAllLinesErrsByADirection) {
   VisibilitySums sums(idsOf({20, 20}));
   for (int k = 0; k < 2; ++k) sums.add({{0, kEnvironment, 100, 0}});
