@@ -100,8 +100,8 @@ TEST(VisibilitySums, APartOfALineIsNoLineOfTheRarerKind) {
   EXPECT_EQ(none.value, 8);
   EXPECT_NEAR(little.value, 8 * 10 / 10.01, 1e-12);
   // Of n = 10.01 lines n b (1 - b) = 0.00999 are of the rarer kind. So q of eq. (22) is 1 - 0.00999 (1 - 2 / 13.01) =
-  // 0.9915. The spread of replicates has a weight below 0.4, and adds to the variance. The neighbours' s and p change by
-  // less than a hundredth.
+  // 0.9915. The spread of replicates has a weight below 0.4, and adds to the variance. The neighbours' s and p change
+  // by less than a hundredth.
   EXPECT_GT(little.standard_error, 0.75 * none.standard_error);
 }
 
